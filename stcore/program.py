@@ -1,0 +1,115 @@
+"""What a compilation yields: the module, the first memory image, and where every variable lives in it.
+
+A Program is all that the soft PLC needs to run, show and inspect a program; it holds no syntax tree and can be
+pickled. One memory image holds every variable of every instance:
+
+    0 .. 1023            the system area (addresses below): never a variable, so a NULL pointer is always caught
+    1024 .. image_end    %I, %Q, %M, then globals, programs and their instances: the image that snapshots copy
+    image_end .. limit   the stack of functions' own arrays, strings and structures
+    limit ..             what the host allocates: trace buffers and tables
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from stcore.diagnostics import Diagnostic
+from stcore.types import Block, Type
+
+# The system area: little-endian words that the module and the host share.
+NOW = 16  # LINT, virtual time in ns since the start, as the running scan sees it
+SCAN = 24  # LINT, number of scans finished
+INTERVAL = 32  # LINT, length of a scan in ns
+INTERRUPT = 40  # DINT, set by the host to stop a loop that does not end
+FAULT_A = 48  # LINT, values of the check that failed (index, pointer)
+FAULT_LOW = 56  # LINT, lower bound
+FAULT_HIGH = 64  # LINT, upper bound
+FORCES = 72  # UDINT address, UDINT count: table of (UDINT address, UDINT size, 8 bytes value)
+TRACE = 80  # UDINT address, UDINT count: table of (UDINT address, UDINT size)
+TRACE_NEXT = 88  # UDINT address of the next row in the buffer
+TRACE_END = 92  # UDINT end of the buffer; a row that does not fit is not written
+UNTIL = 96  # DINT, 1: table slot 0 holds the condition that ends a run
+TASK_RATIOS = 128  # DINT for each task: it runs when SCAN MOD ratio = 0
+NULL_PAGE = 1024
+
+
+@dataclass(slots=True)
+class Variable:
+    """A global variable, or the instance of a program. path as a user types it: 'PLC_PRG', 'GVL.x', 'x'."""
+
+    name: str
+    path: str
+    type: Type
+    address: int
+    constant: bool = False
+    retain: bool = False
+    persistent: bool = False
+    library: bool = False
+    direct: str | None = None  # %IX0.0
+    bit: int | None = None  # of a BOOL at a bit address
+    file: str = ""
+    line: int = 0
+    attributes: dict = field(default_factory=dict)
+
+
+@dataclass(slots=True)
+class Site:
+    """A place in the source that a fault or a stop can name: one for each statement and check."""
+
+    file: str
+    line: int
+    column: int
+    pou: str
+    code: str = ""  # of the fault that a check here raises: 'F0101' ...; '' for a statement
+    note: str = ""  # what the check looks at: the text of the index or pointer; the callee's for a call
+
+
+@dataclass(slots=True)
+class External:
+    """A FUNCTION of the library that the host provides (``{attribute 'external'}``).
+
+    parameters: (name, Type); elementary values arrive as Python numbers, anything else as its address.
+    """
+
+    name: str
+    parameters: list[tuple[str, Type]]
+    result: Type | None
+
+
+@dataclass(slots=True)
+class TaskSpec:
+    """A task of the configuration: programs in order, every `interval` ns, highest priority (lowest number) first."""
+
+    name: str
+    programs: list[str]
+    interval: int | None = None
+    priority: int = 0
+
+
+@dataclass(slots=True)
+class Program:
+    """A compiled program. See the module's docstring for the memory."""
+
+    wasm: bytes
+    image: bytes  # the first memory image, from 0 to image_end
+    image_end: int
+    limit: int
+    inputs: tuple[int, int] = (0, 0)  # address and size of %I
+    outputs: tuple[int, int] = (0, 0)  # of %Q
+    markers: tuple[int, int] = (0, 0)  # of %M
+    variables: dict[str, Variable] = field(default_factory=dict)  # upper-case path -> global or program instance
+    types: dict[str, Type] = field(default_factory=dict)  # upper-case name -> named type (struct, enum, block)
+    functions: dict[int, str] = field(default_factory=dict)  # index of a function of the module -> POU name
+    sites: list[Site] = field(default_factory=list)
+    externals: list[External] = field(default_factory=list)
+    tasks: list[TaskSpec] = field(default_factory=list)
+    diagnostics: list[Diagnostic] = field(default_factory=list)
+    files: list[str] = field(default_factory=list)  # of the user, then of the library
+    library_blocks: dict[str, Block] = field(default_factory=dict)
+
+    def programs(self) -> list[Variable]:
+        """The user's program instances, in order."""
+        return [
+            v for v in self.variables.values()
+            if isinstance(v.type, Block) and v.type.kind == "PROGRAM" and not v.library
+        ]  # fmt: skip
