@@ -1,0 +1,16 @@
+"""What all tests share."""
+
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="session")
+def manuals() -> Path:
+    """The folder of the vendor manuals' texts and listings, which is not part of the project."""
+    folder = ROOT.parent / "shared" / "manuals"
+    if not folder.is_dir():
+        pytest.skip("the manuals (../shared/manuals) are not on this machine")
+    return folder
