@@ -26,8 +26,9 @@ help:
 install: $(STAMP)
 
 $(STAMP): pyproject.toml requirements.lock
-	@test -n "$(PYTHON)" || { echo "scancycle needs Python 3.11 or newer; python3 here is: $$(python3 --version 2>&1)"; \
-		echo "Install one, or name it: make $(or $(MAKECMDGOALS),install) PYTHON=/path/to/python3"; exit 1; }
+	@$(or $(PYTHON),false) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { \
+		echo "scancycle needs Python 3.11 or newer; $(or $(PYTHON),python3) is: $$($(or $(PYTHON),python3) --version 2>&1)"; \
+		echo "Install one, or name it: make $(firstword $(MAKECMDGOALS)) PYTHON=/path/to/python3"; exit 1; }
 	@test "$$(cat .venv/where 2>/dev/null)" = "$(CURDIR)" || rm -rf .venv
 	@echo "Installing into .venv with $$($(PYTHON) --version), once; less than a minute when downloads are quick"
 	@test -x $(BIN)/pip || $(PYTHON) -m venv .venv
