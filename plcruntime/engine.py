@@ -1,0 +1,258 @@
+"""The engine of a soft PLC: runs scans in calls that are neither too short nor too long, with all that goes with it.
+
+Between two calls into the module the engine applies scheduled stimuli, drains traces, keeps keyframes, calls the
+user's Python models, keeps real time and looks at Ctrl-C. Where nobody looks between scans, a call lasts some 50 ms.
+"""
+
+from __future__ import annotations
+
+import struct
+import time
+from collections.abc import Callable, Sequence
+from math import gcd
+
+from stcore.machine import Fault
+
+from plcruntime.forces import Forces, Piece
+from plcruntime.guard import Guard
+from plcruntime.snapshot import History, Snapshot, kept_regions, put_back, take
+from plcruntime.stimuli import Schedule
+from plcruntime.trace import Recorder
+from stcore.program import INTERVAL, SCAN, TASK_RATIOS, Program
+
+CALL_SECONDS = 0.05
+REALTIME_STEP = 10_000_000  # ns of virtual time between two looks at the wall clock
+
+
+class Engine:
+    """Runs one program on one machine. interval: default length of a scan in ns. watchdog: s, 0 for none.
+
+    fault: what stopped the PLC, None while it is well. run_s: seconds spent inside the module.
+    """
+
+    def __init__(self, program: Program, machine, interval: int, watchdog: float) -> None:
+        self.program, self.machine = program, machine
+        self.interval, self._ratios = _scan_times(program, interval)
+        self.forces = Forces(machine)
+        self.recorder = Recorder(machine)
+        self.history = History()
+        self.schedule = Schedule()
+        self.guard = Guard(machine, watchdog)
+        self.after_scan: list[Callable[[], None]] = []
+        self.between_calls: Callable[[int, int], None] | None = None  # (scans done, scans wanted), for progress
+        self.fault: Fault | None = None
+        self.run_s = 0.0
+        self._chunk = 16
+        self._busy = False
+        self.start()
+
+    # ---------------------------------------------------------------------------------------------- state
+
+    @property
+    def scans(self) -> int:
+        """Scans finished."""
+        return int.from_bytes(self.machine.memory[SCAN : SCAN + 8], "little")
+
+    def start(self, kept: Sequence[tuple[int, int]] = ()) -> None:
+        """First image, clock at 0. kept: (address, size) of what keeps its value."""
+        memory = self.machine.memory
+        saved = [(address, bytes(memory[address : address + size])) for address, size in kept]
+        self.fault = None
+        try:
+            self.machine.initialise()
+        except Fault as fault:  # an initial value that divides by zero: the PLC is there, and in its exception state
+            self.fault = fault
+        memory = self.machine.memory
+        struct.pack_into("<q", memory, INTERVAL, self.interval)
+        struct.pack_into(f"<{len(self._ratios)}i", memory, TASK_RATIOS, *self._ratios)
+        for address, data in saved:
+            memory[address : address + len(data)] = data
+        self.forces.set_state(({}, {}))
+        self.recorder.forget_from(0)
+        self.recorder.arrange()
+        self.history.clear()
+        self.schedule = Schedule()
+
+    def restart(self, kind: str) -> None:
+        """kind: 'warm' keeps RETAIN and PERSISTENT, 'cold' PERSISTENT, 'origin' nothing."""
+        self.start([] if kind == "origin" else kept_regions(self.program, persistent_only=kind == "cold"))
+
+    def write(self, pieces: Sequence[Piece]) -> None:
+        """Write to the image, and remember it for going back."""
+        self._put(pieces)
+        self.history.log(self.scans, lambda: self._put(pieces))
+
+    def _put(self, pieces: Sequence[Piece]) -> None:
+        memory = self.machine.memory
+        for address, data in pieces:
+            memory[address : address + len(data)] = data
+
+    def change_forces(self, change: Callable[[Forces], None]) -> None:
+        """Force or release variables, and remember it for going back."""
+        change(self.forces)
+        self.forces.write_table()
+        state = self.forces.state()
+        self.history.log(self.scans, lambda: self.forces.set_state(state))
+
+    # -------------------------------------------------------------------------------------------- running
+
+    def advance(
+        self, count: int, *, until=None, test: Callable[[], bool] | None = None, realtime: bool = False
+    ) -> bool:
+        """Run `count` scans, fewer when a condition holds; True when it did.
+
+        until: a condition that the module knows; test: one in Python, asked after every scan. Raises Fault, and
+        KeyboardInterrupt at a scan's boundary.
+        """
+        if self.fault:
+            raise self.fault
+        if self._busy:
+            raise RuntimeError("the PLC is running: a function called between scans can't run it")
+        goal = self.scans + count
+        self._busy = True
+        self.machine.set_until(until)
+        try:
+            with self.guard.run():
+                return self._loop(goal, test, _Clock(self.interval) if realtime else None)
+        finally:
+            self.machine.set_until(None)
+            self.recorder.drain(self.scans)
+            self._busy = False
+
+    def _loop(self, goal: int, test, clock) -> bool:
+        first = scans = self.scans
+        if self.history.due(self.run_s):
+            self._keyframe()
+        while scans < goal:
+            self.schedule.run_due(scans)
+            reached = self._call(self._step(goal - scans, scans, bool(test), clock))
+            scans = self.scans
+            if self.history.due(self.run_s):
+                self._keyframe()
+            if self.after_scan or test:
+                with self.guard.users_code():
+                    for function in self.after_scan:
+                        function()
+                    reached = reached or bool(test and test())
+            if reached:
+                return True
+            if self.between_calls:
+                self.between_calls(scans - first, goal - first)
+            if clock:
+                clock.wait(scans - first, self.guard)
+            if self.guard.stopped:
+                raise KeyboardInterrupt
+        return False
+
+    def _step(self, left: int, scans: int, tested: bool, clock) -> int:
+        """How many scans the next call may run."""
+        if tested or self.after_scan or self.forces.bits or self.recorder.dynamic:
+            step = 1
+        else:
+            step = min(left, self._chunk, self.schedule.scans_until_next(scans) or left)
+        if clock:
+            step = min(step, clock.step)
+        if self.recorder.active:
+            if not self.recorder.room:
+                self.recorder.drain(scans)
+            step = min(step, self.recorder.room)
+        return step
+
+    def _call(self, step: int) -> bool:
+        """One call into the module. True when it stopped because its condition holds."""
+        if self.forces.bits:
+            self.forces.apply_bits()
+        if self.recorder.dynamic:
+            self.recorder.follow_pointers()
+        began = time.perf_counter()
+        try:
+            with self.guard.call():
+                self.machine.run(step)
+        except Fault as fault:
+            self.fault = fault
+            if self.guard.stopped:
+                raise KeyboardInterrupt from fault
+            raise
+        finally:
+            seconds = time.perf_counter() - began
+            self.run_s += seconds
+        if self.forces.bits:
+            self.forces.apply_bits()
+        if step >= self._chunk:
+            # towards CALL_SECONDS, at most eightfold at a time: the first scans are not like the others
+            self._chunk = max(1, min(self._chunk * 8, int(step * CALL_SECONDS / max(seconds, 1e-7))))
+        return self.machine.until_reached
+
+    def _keyframe(self) -> None:
+        self.history.mark(self.snapshot(), self.run_s)
+
+    # ------------------------------------------------------------------------------------------ snapshots
+
+    def snapshot(self) -> Snapshot:
+        return take(self.program, self.machine.memory, self.forces.state(), self.fault)
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Raises ValueError for the snapshot of another program."""
+        if snapshot.program is not self.program and snapshot.program.image != self.program.image:
+            raise ValueError("the snapshot is of another program")
+        self._restore(snapshot)
+        self.history.clear()
+        self.recorder.forget_from(snapshot.scans)
+        self.recorder.arrange()
+        self.schedule.rewind(snapshot.scans)
+
+    def _restore(self, snapshot: Snapshot) -> None:
+        put_back(snapshot, self.machine.memory)
+        self.forces.set_state(snapshot.forces)
+        self.fault = snapshot.fault
+
+    def back(self, count: int) -> None:
+        """Go back by scans; a scan that ended in a fault counts as one. Raises ValueError beyond what is remembered."""
+        self.recorder.drain(self.scans)
+        goal = self.scans - count + (1 if self.fault else 0)
+        reach = self.history.reach
+        if goal == self.scans and not self.fault:
+            return
+        if count < 0 or reach is None or goal < reach:
+            behind = 0 if reach is None else self.scans - reach
+            raise ValueError(f"can't go back by {count} scans: {behind} are remembered")
+        snapshot, actions = self.history.path_to(goal)
+        self._restore(snapshot)
+        self.recorder.pause()
+        try:
+            for scan, action in actions:
+                self._replay(scan)
+                action()
+            self._replay(goal)
+        finally:
+            self.recorder.forget_from(self.scans)
+            self.recorder.arrange()
+        self.schedule.rewind(goal + 1)  # what was due at the goal is in the journal
+
+    def _replay(self, goal: int) -> None:
+        """Run to a scan that was reached before; its causes are in the journal, so nobody is called."""
+        while (left := goal - self.scans) > 0:
+            with self.guard.run():
+                self._call(1 if self.forces.bits else left)
+
+
+class _Clock:
+    """Keeps virtual time from running ahead of the wall clock."""
+
+    def __init__(self, interval: int) -> None:
+        self.interval = interval
+        self.step = max(1, REALTIME_STEP // interval)
+        self._began = time.monotonic()
+
+    def wait(self, scans: int, guard: Guard) -> None:
+        """Sleep until the wall clock has caught up with `scans` scans, or Ctrl-C."""
+        end = self._began + scans * self.interval / 1e9
+        while (left := end - time.monotonic()) > 0 and not guard.stopped:
+            time.sleep(min(left, 0.05))
+
+
+def _scan_times(program: Program, interval: int) -> tuple[int, list[int]]:
+    """The length of a scan in ns, and for each task after how many scans it runs."""
+    intervals = [task.interval or interval for task in program.tasks]
+    scan = gcd(*intervals) if intervals else interval
+    return scan, [i // scan for i in intervals]

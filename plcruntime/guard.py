@@ -1,0 +1,130 @@
+"""Ends runs that do not end by themselves: Ctrl-C and the watchdog for endless loops.
+
+While the module runs, the main thread is inside a C call and Python handles no signal. A thread watches over it: the
+interpreter writes to a pipe at once when a signal arrives (signal.set_wakeup_fd), and the module counts its scans in
+memory. The thread lives while scans are run and a moment longer, so that a loop of single scans does not pay for it.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+import signal
+import threading
+from contextlib import contextmanager
+from time import monotonic
+
+from stcore.program import SCAN
+
+TICK = 0.1  # s between two looks at the scan counter
+GRACE = 0.15  # s that a running call has to end at a scan's boundary after Ctrl-C
+LINGER = 1.0  # s without a run after which the thread ends
+
+
+class Guard:
+    """Watches the calls into one machine. seconds: a scan that takes longer (wall clock) is an endless loop; 0: never.
+
+    stopped: the user pressed Ctrl-C during the present run. expired: the watchdog ended the last call.
+    """
+
+    def __init__(self, machine, seconds: float) -> None:
+        self.machine, self.seconds = machine, seconds
+        self.stopped = self.expired = False
+        self._busy = False  # the module is running
+        self._raise_now = False  # Python code of the user is running: Ctrl-C ends it as anywhere
+        self._call = 0
+        self._memory = None
+        self._last_use = 0.0
+        self._lock = threading.Lock()
+        self._thread: threading.Thread | None = None
+        self._pipe: tuple[int, int] | None = None
+
+    @contextmanager
+    def run(self):
+        """Around a whole run: Ctrl-C sets `stopped` instead of raising in the middle of the book-keeping."""
+        self.stopped = False
+        self._awake()
+        handler = signal.getsignal(signal.SIGINT)
+        main = threading.current_thread() is threading.main_thread()
+        ours = main and handler is signal.default_int_handler
+        if ours:
+            signal.signal(signal.SIGINT, self._on_sigint)
+            before = signal.set_wakeup_fd(self._pipe[1], warn_on_full_buffer=False)
+        try:
+            yield
+        finally:
+            if ours:
+                signal.set_wakeup_fd(before)
+                signal.signal(signal.SIGINT, handler)
+
+    @contextmanager
+    def call(self):
+        """Around one call into the module."""
+        self._awake()
+        with self._lock:
+            self._memory = self.machine.memory
+            self._call += 1
+            self.expired = False
+            self._busy = True
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._busy = False
+                self._memory = None
+                self._last_use = monotonic()
+
+    @contextmanager
+    def users_code(self):
+        """Around Python code of the user that is called between scans."""
+        if self.stopped:
+            raise KeyboardInterrupt
+        self._raise_now = True
+        try:
+            yield
+        finally:
+            self._raise_now = False
+
+    def _on_sigint(self, _signum, _frame) -> None:
+        self.stopped = True
+        if self._raise_now:
+            raise KeyboardInterrupt
+
+    def _awake(self) -> None:
+        with self._lock:
+            self._last_use = monotonic()
+            if self._thread is None:
+                self._pipe = os.pipe()
+                for end in self._pipe:
+                    os.set_blocking(end, False)
+                self._thread = threading.Thread(target=self._watch, name="scancycle guard", daemon=True)
+                self._thread.start()
+
+    def _watch(self) -> None:
+        seen, since, signalled = None, monotonic(), 0.0
+        while True:
+            ready, _, _ = select.select([self._pipe[0]], [], [], GRACE / 3 if signalled else TICK)
+            now = monotonic()
+            if ready:
+                os.read(self._pipe[0], 64)
+                signalled = signalled or now
+            with self._lock:
+                if not self._busy:
+                    signalled = 0.0
+                    if now - self._last_use > LINGER:
+                        self._end()
+                        return
+                    continue
+                state = (self._call, bytes(self._memory[SCAN : SCAN + 8]))
+                if state != seen:
+                    seen, since = state, now
+                elif self.seconds and now - since >= self.seconds:
+                    self.expired = True
+                    self.machine.interrupt()
+                if signalled and now - signalled >= GRACE:
+                    self.machine.interrupt()
+
+    def _end(self) -> None:
+        for end in self._pipe:
+            os.close(end)
+        self._pipe = self._thread = None

@@ -1,0 +1,348 @@
+"""PLC: a soft PLC in virtual time, as a Python object.
+
+    plc = PLC.load("prog.st", interval="1ms")
+    plc["PLC_PRG.xStart"] = True
+    plc.run_until("PLC_PRG.axisDone", timeout="10s")
+    print(plc["PLC_PRG.lrPrfPos"], plc.time)
+
+Times are virtual: scan number k (from 0) sees k * interval, and nothing depends on the wall clock.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from stcore.machine import Fault, Machine
+
+from plcruntime import durations, sources
+from plcruntime.axes import Axes
+from plcruntime.engine import Engine
+from plcruntime.errors import ConditionTimeout, UsageError
+from plcruntime.project import Project
+from plcruntime.snapshot import Snapshot
+from plcruntime.stimuli import Stimulus, scan_of
+from stcore import paths, values
+from stcore.diagnostics import Diagnostic
+from stcore.paths import PathError, Place
+from stcore.program import Program
+
+INTERVAL = 1_000_000  # ns, of a scan where nothing says otherwise
+WATCHDOG = 2.0  # s of wall clock for one scan
+MAX_COLUMNS = 5000  # that one path of a trace may open into
+Time = str | float | int  # '500ms', 'T#1s', '#120' (scans), or a number of seconds
+
+
+class PLC:
+    """A loaded program with its memory image, its clock and its simulated axes.
+
+    Read and write variables by path: ``plc["PLC_PRG.trap.acc"]``, ``plc["%QX0.3"] = True``. BOOL is bool, integers are
+    int, REAL and LREAL float, TIME and dates seconds, strings str, arrays lists, structures and instances dicts (a
+    dict that is written may name only some members).
+    """
+
+    def __init__(
+        self, program: Program, *, interval: Time | None = None, project: Project | None = None,
+        watchdog: float | None = None, machine: Callable = Machine,
+    ) -> None:  # fmt: skip
+        """program: as stcore.compile gives it. interval: of a scan, 1 ms if None. watchdog: s of wall clock that one
+        scan may take, 0 for no limit. machine: what runs the program. Raises ValueError for a bad interval."""
+        self.program = program
+        self.project = project or Project()
+        limit = watchdog if watchdog is not None else self.project.watchdog
+        ns = durations.nanoseconds(interval) if interval is not None else self.project.interval or INTERVAL
+        if ns <= 0:
+            raise ValueError(f"an interval of {interval} is not longer than 0")
+        self.axes = Axes(self)
+        self._places: dict[str, Place] = {}
+        self._engine: Engine | None = None
+        host = _motion_host(program)
+        self._machine = machine(program, host.functions(self) if host else {})
+        self._engine = Engine(program, self._machine, ns, WATCHDOG if limit is None else limit)
+        self._bind = host.bind_axes if host else None
+        self._configure()
+
+    @classmethod
+    def load(
+        cls, source: str | Path | Sequence[str | Path], interval: Time | None = None, config: str | Path | None = None,
+        *, strict: bool = False, watchdog: float | None = None,
+    ) -> PLC:  # fmt: skip
+        """Compile and load, ready before the first scan.
+
+        source: a file, a folder, a plc.toml, the text of a program, or a list of files. interval: of a scan ('1ms').
+        config: a plc.toml beside the source. strict: a mended misprint is an error.
+        Raises stcore.CompileError with .diagnostics, UsageError (a file that can't be read, a wrong plc.toml).
+        """
+        program, project = build(source, config, strict=strict)
+        return cls(program, interval=interval, project=project, watchdog=watchdog)
+
+    # ---------------------------------------------------------------------------------------- variables
+
+    def place(self, path: str) -> Place:
+        """Where a path leads: its full name, type and address. Raises PathError (a KeyError)."""
+        place = self._places.get(path)
+        if place is None:
+            place = self._places[path] = paths.resolve(self.program, path)
+        return place
+
+    def __getitem__(self, path: str):
+        """The value of a variable. Raises PathError: unknown, ambiguous, or behind a NULL pointer."""
+        return values.read(self._machine.memory, self.place(path))
+
+    def __setitem__(self, path: str, value) -> None:
+        """Write a variable now, before the next scan. Raises PathError, TypeError, ValueError; then nothing is written."""
+        self._engine.write(self._pieces(self.place(path), value))
+
+    def show(self, path: str) -> str:
+        """The value as ST writes it: TRUE, T#1.5s, 'text', the name of an ENUM's value."""
+        return values.show(self.place(path).type, self[path])
+
+    def _pieces(self, place: Place, value) -> list[tuple[int, bytes]]:
+        if place.constant:
+            raise ValueError(f"{place.name} is a constant")
+        return values.encode(self._machine.memory, place, value)
+
+    def variables(self) -> dict[str, object]:
+        """The values of all variables of the user's programs and global lists, by full path."""
+        memory = self._machine.memory
+        return {p.name: values.read(memory, p) for p in paths.user_places(self.program)}
+
+    # ------------------------------------------------------------------------------------------ running
+
+    @property
+    def scans(self) -> int:
+        """Scans finished."""
+        return self._engine.scans
+
+    @property
+    def interval(self) -> float:
+        """The length of a scan in s."""
+        return self._engine.interval / 1e9
+
+    @property
+    def time(self) -> float:
+        """Virtual time in s: scans * interval."""
+        return self.scans * self._engine.interval / 1e9
+
+    @property
+    def fault(self) -> Fault | None:
+        """What put the PLC into its exception state: code, message, file, line, column, instance, scan, hint."""
+        return self._engine.fault
+
+    @property
+    def diagnostics(self) -> list[Diagnostic]:
+        """The compiler's warnings."""
+        return self.program.diagnostics
+
+    @property
+    def run_seconds(self) -> float:
+        """Wall clock spent inside the program so far, in s."""
+        return self._engine.run_s
+
+    def scan(self, count: int = 1) -> None:
+        """Run scans. Raises stcore.machine.Fault when the program fails, and again until reset, restore or back."""
+        if count < 0:
+            raise ValueError(f"can't run {count} scans")
+        self._engine.advance(count)
+
+    def run(self, duration: Time, *, realtime: bool = False) -> None:
+        """Run for a virtual time ('2s', 2.5, '#120'), rounded up to whole scans. realtime: keep the wall clock's pace.
+
+        Raises Fault as `scan` does; KeyboardInterrupt at a scan's boundary, with the PLC fit to go on.
+        """
+        self._engine.advance(self._count(duration), realtime=realtime)
+
+    def run_until(self, condition: str | Callable, timeout: Time = "10s", *, realtime: bool = False) -> float:
+        """Run until a condition holds at the end of a scan; gives the virtual time in s.
+
+        condition: an ST expression ("PLC_PRG.done AND x > 3"), asked inside the module, or a Python function, called
+        with the PLC or without arguments after every scan. Raises ConditionTimeout (a TimeoutError) after `timeout` of
+        virtual time, stcore.CompileError for a wrong expression, Fault as `scan` does.
+        """
+        count = self._count(timeout)
+        if callable(condition):
+            reached = self._engine.advance(count, test=_with_plc(condition, self), realtime=realtime)
+        else:
+            from stcore import compile_condition
+
+            module = compile_condition(self.program, condition)
+            reached = self._engine.advance(count, until=module, realtime=realtime)
+        if not reached:
+            text = condition if isinstance(condition, str) else getattr(condition, "__name__", repr(condition))
+            raise ConditionTimeout(text, durations.text(count * self._engine.interval), self._read_by(condition))
+        return self.time
+
+    def _count(self, duration: Time) -> int:
+        return durations.scans(duration, self._engine.interval)
+
+    def _read_by(self, condition) -> dict[str, str]:
+        """The variables that an ST condition names, with their values."""
+        found = {}
+        if isinstance(condition, str):
+            for path in re.findall(r"%?[^\W\d][\w.]*(?:\[[^\]]*\][\w.]*)*", condition):
+                try:
+                    found[self.place(path).name] = self.show(path)
+                except PathError:  # a keyword, a function, a literal's prefix: not a variable
+                    continue
+        return found
+
+    def on_scan(self, function: Callable) -> Callable:
+        """Call a Python function after every scan, with the PLC or without arguments: a plant model. Gives it back."""
+        self._engine.after_scan.append(_with_plc(function, self))
+        return function
+
+    def schedule(self, path: str, value, at: Time, *, force: bool = False) -> None:
+        """Write or force a variable before the scan that starts at a virtual time. Raises as writing does."""
+        place = self.place(path)
+        self._pieces(place, value)  # a wrong value is an error now, not in the middle of a run
+        action = (lambda: self.force(path, value)) if force else (lambda: self.__setitem__(path, value))
+        self._engine.schedule.add(self._count(at), action, self.scans)
+
+    def stimulate(self, stimulus: Stimulus, *, force: bool = False) -> None:
+        """Schedule ``VAR=VALUE@TIME``, VALUE as ST writes it. Raises UsageError."""
+        scan = scan_of(stimulus, self._engine.interval)
+        try:
+            value = self.parse_value(stimulus.path, stimulus.value)
+            self.schedule(stimulus.path, value, f"#{scan}", force=force)
+        except (PathError, TypeError, ValueError) as error:
+            raise UsageError(f"'{stimulus.text}': {error}") from None
+
+    def parse_value(self, path: str, text: str):
+        """The Python value of an ST literal for a variable. Raises PathError, TypeError, ValueError."""
+        from stcore.parser import parse_initializer
+
+        from stcore.diagnostics import Reporter
+        from stcore.source import Source
+
+        place = self.place(path)
+        reporter = Reporter()
+        node = parse_initializer(Source(text, "<value>"), reporter)
+        if reporter.failed or node is None:
+            raise ValueError(f"{text} is not a value; write it as in ST: TRUE, 16#FF, 'text', T#500ms, [1,2,3], (a:=1)")
+        return values.literal(self.program, self._machine.memory, node, place.type, place.name)
+
+    # ------------------------------------------------------------------------------------ force and trace
+
+    def force(self, path: str, value) -> None:
+        """Hold a variable at a value before and after the programs of every scan, until `unforce`."""
+        place = self.place(path)
+        pieces = self._pieces(place, value)
+        self._engine.write(pieces)
+        address = place.locate(self._machine.memory)
+
+        def change(forces) -> None:
+            if place.bit is None:
+                forces.active[place.name] = tuple(pieces)
+            else:
+                forces.bits[place.name] = (address, place.bit, bool(value))
+
+        self._engine.change_forces(change)
+
+    def unforce(self, path: str | None = None) -> None:
+        """Release a forced variable, or all. Raises PathError when the variable is not forced."""
+        name = self.place(path).name if path is not None else None
+        if name is not None and name not in self.forced:
+            raise PathError(f"{name} is not forced; forced: {', '.join(self.forced) or 'nothing'}")
+
+        def change(forces) -> None:
+            for table in (forces.active, forces.bits):
+                for forced in list(table):
+                    if name in (None, forced):
+                        del table[forced]
+
+        self._engine.change_forces(change)
+
+    @property
+    def forced(self) -> list[str]:
+        """The paths that are forced."""
+        return [*self._engine.forces.active, *self._engine.forces.bits]
+
+    def trace(self, *names: str):
+        """Record variables at the end of every scan from now on; arrays and structures become a column an element.
+
+        Without names: every scalar variable of the user. Gives a plcruntime.trace.Trace. Raises PathError.
+        """
+        from plcruntime.trace import Trace
+
+        if names:
+            places = [leaf for name in names for leaf in paths.leaves(self.place(name))]
+        else:
+            places = [p for p in paths.user_places(self.program) if paths.is_scalar(p)]
+        if len(places) > MAX_COLUMNS:
+            raise ValueError(f"{len(places)} columns are too many for a trace; name some of them")
+        unique = {p.name: p for p in places}
+        trace = Trace(list(unique.values()), self._engine.interval)
+        self._engine.recorder.add(trace, self.scans)
+        return trace
+
+    def stop_trace(self, trace) -> None:
+        """Stop recording; the rows stay."""
+        self._engine.recorder.remove(trace, self.scans)
+
+    # -------------------------------------------------------------------------------- going back, restarting
+
+    def snapshot(self) -> Snapshot:
+        """The whole state at this scan boundary, for `restore`."""
+        return self._engine.snapshot()
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Return to a snapshot: variables, clock, forces, fault. Raises ValueError for another program's."""
+        self._engine.restore(snapshot)
+
+    def back(self, scans: int = 1) -> None:
+        """Go back by scans; the scan in which the program failed counts as one. Raises ValueError beyond the memory."""
+        self._engine.back(scans)
+
+    def power_cycle(self) -> None:
+        """Off and on: RETAIN and PERSISTENT variables keep their values, all else starts anew, the clock too."""
+        self.reset("warm")
+
+    def reset(self, kind: str = "warm") -> None:
+        """'warm' keeps RETAIN and PERSISTENT, 'cold' only PERSISTENT, 'origin' nothing. Forces are released."""
+        if kind not in ("warm", "cold", "origin"):
+            raise ValueError(f"'{kind}' is no reset; there are warm, cold and origin")
+        self._engine.restart(kind)
+        self._configure()
+
+    def _configure(self) -> None:
+        if self._bind:
+            self._bind(self)
+
+
+def build(
+    source: str | Path | Sequence[str | Path], config: str | Path | None = None, *, strict: bool = False
+) -> tuple[Program, Project]:
+    """Compile what the user names, with the project's settings. Raises as `PLC.load` does."""
+    import mclib
+    import stcore
+
+    files, project = sources.gather(source, config)
+    libraries = [*project.libraries, mclib.LIBRARY]
+    program = stcore.compile(files, tasks=project.tasks, libraries=libraries, strict=strict or project.strict)
+    return program, project
+
+
+def _motion_host(program: Program):
+    """mclib.host when the program uses something that the host provides, or the simulated axes."""
+    if not program.externals and "SIM.AXIS" not in program.variables:
+        return None
+    import mclib.host
+
+    return mclib.host
+
+
+def _with_plc(function: Callable, plc: PLC) -> Callable[[], object]:
+    """The function as one without arguments."""
+    import inspect
+
+    try:
+        wants = any(
+            p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)
+            and p.default is p.empty
+            or p.kind == p.VAR_POSITIONAL
+            for p in inspect.signature(function).parameters.values()
+        )
+    except ValueError:  # some built-in callables have no signature
+        wants = False
+    return (lambda: function(plc)) if wants else function

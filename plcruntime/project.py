@@ -1,0 +1,162 @@
+"""plc.toml: which files, tasks and axes make up a project. docs/plc_toml.md describes every key.
+
+A key that is not in the tables below is an error with the nearest known key: a misspelt limit must not go unnoticed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from plcruntime import durations
+from plcruntime.errors import UsageError
+from stcore.program import TaskSpec
+
+NAME = "plc.toml"
+
+# section -> key -> what it holds
+KEYS: dict[str, dict[str, str]] = {
+    "": {"project": "table", "task": "tables", "axis": "tables"},
+    "project": {
+        "files": "list of texts", "interval": "duration", "libraries": "list of texts", "watchdog": "duration",
+        "strict": "TRUE or FALSE",
+    },
+    "task": {"name": "text", "program": "text", "programs": "list of texts", "interval": "duration", "priority": "whole number"},
+    "axis": {"number": "whole number", "name": "text", "set": "table"},
+}  # fmt: skip
+
+
+@dataclass(slots=True)
+class Axis:
+    """An axis of the configuration. members: simulator member (dots for nested ones) -> first value."""
+
+    number: int
+    name: str = ""
+    members: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(slots=True)
+class Project:
+    """A project's settings; the defaults are those of a program without plc.toml. Times are ns, watchdog is s."""
+
+    path: Path | None = None
+    files: list[Path] = field(default_factory=list)
+    libraries: list[Path] = field(default_factory=list)
+    interval: int | None = None
+    tasks: list[TaskSpec] | None = None
+    axes: list[Axis] = field(default_factory=list)
+    watchdog: float | None = None
+    strict: bool = False
+
+
+def load(path: str | Path) -> Project:
+    """Read a plc.toml. Raises UsageError for anything that is not as docs/plc_toml.md has it."""
+    import tomllib
+
+    path = Path(path)
+    try:
+        with open(path, "rb") as file:
+            data = tomllib.load(file)
+    except OSError as error:
+        raise UsageError(f"can't read {path}: {error.strerror}") from None
+    except tomllib.TOMLDecodeError as error:
+        raise UsageError(f"{path} is not TOML: {error}") from None
+    except UnicodeDecodeError:
+        raise UsageError(f"{path} is not TOML: it is not UTF-8") from None
+    _check(path, "", data)
+    head = data.get("project", {})
+    return Project(
+        path=path,
+        files=[path.parent / f for f in head.get("files", ["."])],
+        libraries=[path.parent / f for f in head.get("libraries", [])],
+        interval=_duration(path, "project.interval", head.get("interval")),
+        tasks=[_task(path, i, t) for i, t in enumerate(data["task"])] if "task" in data else None,
+        axes=_axes(path, data.get("axis", [])),
+        watchdog=(_duration(path, "project.watchdog", head["watchdog"], 0) or 0) / 1e9 if "watchdog" in head else None,
+        strict=head.get("strict", False),
+    )
+
+
+def _check(path: Path, section: str, data: dict) -> None:
+    """Every key known, every value of its kind."""
+    keys = KEYS[section]
+    for key, value in data.items():
+        where = f"{section}.{key}" if section else key
+        if key not in keys:
+            raise UsageError(f"{path}: unknown key {where}{_near(key, keys)}; known here: {', '.join(keys)}")
+        kind = keys[key]
+        if not _fits(kind, value):
+            raise UsageError(f"{path}: {where} takes {_article(kind)}, not {value!r}")
+        if section == "" and kind == "table":
+            _check(path, key, value)
+        elif kind == "tables":
+            for entry in value:
+                _check(path, key, entry)
+
+
+def _fits(kind: str, value: Any) -> bool:
+    if kind == "tables":
+        return isinstance(value, list) and all(isinstance(v, dict) for v in value)
+    if kind == "list of texts":
+        return isinstance(value, list) and all(isinstance(v, str) for v in value)
+    if kind == "whole number":
+        return isinstance(value, int) and not isinstance(value, bool)
+    wanted = {"table": dict, "text": str, "duration": str | int | float, "TRUE or FALSE": bool}[kind]
+    return isinstance(value, wanted) and not (kind == "duration" and isinstance(value, bool))
+
+
+def _article(kind: str) -> str:
+    forms = {
+        "tables": "tables, each under [[...]]", "table": "a table", "duration": 'a duration such as "1ms"',
+        "TRUE or FALSE": "true or false",
+    }  # fmt: skip
+    return forms.get(kind, f"a {kind}")
+
+
+def _near(key: str, known) -> str:
+    import difflib
+
+    near = difflib.get_close_matches(key, list(known), n=1)
+    return f"; did you mean {near[0]}?" if near else ""
+
+
+def _duration(path: Path, where: str, value, least: int = 1) -> int | None:
+    if value is None:
+        return None
+    try:
+        ns = durations.nanoseconds(value)
+    except ValueError as error:
+        raise UsageError(f"{path}: {where}: {error}") from None
+    if ns < least:
+        raise UsageError(f"{path}: {where} must be longer than 0")
+    return ns
+
+
+def _task(path: Path, i: int, table: dict) -> TaskSpec:
+    name = table.get("name", f"Task{i + 1}")
+    programs = table.get("programs", []) + ([table["program"]] if "program" in table else [])
+    if not programs:
+        raise UsageError(f'{path}: task {name} has no program; write program = "PLC_PRG"')
+    interval = _duration(path, f"task {name}: interval", table.get("interval"))
+    return TaskSpec(name, programs, interval, table.get("priority", 0))
+
+
+def _axes(path: Path, tables: list[dict]) -> list[Axis]:
+    axes: list[Axis] = []
+    for table in tables:
+        number = table.get("number", len(axes) + 1)
+        if number < 1 or any(a.number == number for a in axes):
+            raise UsageError(
+                f"{path}: axis number {number} " + ("is there twice" if number > 0 else "is not 1 or more")
+            )
+        axes.append(Axis(number, table.get("name", ""), dict(_flattened(table.get("set", {})))))
+    return axes
+
+
+def _flattened(table: dict, prefix: str = ""):
+    for key, value in table.items():
+        if isinstance(value, dict):
+            yield from _flattened(value, f"{prefix}{key}.")
+        else:
+            yield prefix + key, value

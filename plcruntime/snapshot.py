@@ -1,0 +1,158 @@
+"""Snapshots, and going back: keyframes of the image plus a journal of what the host wrote in between.
+
+A PLC in virtual time is deterministic: from an image, the same writes at the same scans lead to the same bytes. So
+going back restores the last keyframe before the goal and runs forward again, with the writes of the journal instead
+of their causes (schedules, Python callbacks, the user).
+"""
+
+from __future__ import annotations
+
+import struct
+from bisect import bisect_right
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from stcore.program import NOW, NULL_PAGE, SCAN, Program
+from stcore.types import Array, Block, Struct, Type
+
+FRAMES = 64  # keyframes kept at most
+FRAME_BYTES = 64 << 20  # and their size together
+FRAME_SECONDS = 0.03  # of execution between two keyframes: what a step back costs at most, at first
+JOURNAL = 200_000  # writes kept at most
+
+
+@dataclass(slots=True, eq=False)
+class Snapshot:
+    """The state of a PLC at a scan boundary: all variables, the clock, what is forced. Opaque; for `PLC.restore`."""
+
+    program: Program
+    image: bytes  # from NULL_PAGE to image_end
+    scans: int
+    now: int
+    forces: tuple
+    fault: Exception | None = None
+
+
+def take(plc_program: Program, memory, forces: tuple, fault: Exception | None = None) -> Snapshot:
+    now, scans = struct.unpack_from("<qq", memory, NOW)
+    image = bytes(memory[NULL_PAGE : plc_program.image_end])
+    return Snapshot(plc_program, image, scans, now, forces, fault)
+
+
+def put_back(snapshot: Snapshot, memory) -> None:
+    """Write image and clock; forces are the caller's business."""
+    memory[NULL_PAGE : NULL_PAGE + len(snapshot.image)] = snapshot.image
+    struct.pack_into("<qq", memory, NOW, snapshot.now, snapshot.scans)
+
+
+assert SCAN == NOW + 8  # take and put_back move both words as one
+
+
+@dataclass(slots=True)
+class Frame:
+    snapshot: Snapshot
+    journal_at: int  # entries of the journal that the image already holds
+
+
+class History:
+    """Keyframes and journal of one PLC. A journal entry is (scan, action): the action was taken before that scan ran."""
+
+    def __init__(self) -> None:
+        self.frames: list[Frame] = []
+        self.journal: list[tuple[int, Callable[[], None]]] = []
+        self._dropped = 0  # entries that were cut off the journal's beginning
+        self._last_cost = 0.0
+        self._spacing = FRAME_SECONDS
+
+    def clear(self) -> None:
+        self.__init__()
+
+    def log(self, scan: int, action: Callable[[], None]) -> None:
+        self.journal.append((scan, action))
+        if len(self.journal) > JOURNAL:
+            self._prune()
+
+    def due(self, cost: float) -> bool:
+        """cost: seconds of execution so far. True when enough has passed for another keyframe."""
+        if not self.frames or cost - self._last_cost >= self._spacing:
+            return True
+        return self._dropped + len(self.journal) - self.frames[-1].journal_at > JOURNAL // 8
+
+    def mark(self, snapshot: Snapshot, cost: float) -> None:
+        """Keep a keyframe."""
+        if self.frames and self.frames[-1].snapshot.scans == snapshot.scans:
+            return
+        self._last_cost = cost
+        self.frames.append(Frame(snapshot, self._dropped + len(self.journal)))
+        if len(self.frames) > max(4, min(FRAMES, FRAME_BYTES // max(1, len(snapshot.image)))):
+            # thin out the older ones: far back costs more, but the start stays in reach
+            self.frames = self.frames[:1] + self.frames[2::2]
+            self._spacing *= 2
+
+    def _prune(self) -> None:
+        """Forget the older half of the keyframes and the writes before the first that stays."""
+        self.frames = self.frames[len(self.frames) // 2 :]
+        keep_from = self.frames[0].journal_at if self.frames else self._dropped + len(self.journal)
+        del self.journal[: keep_from - self._dropped]
+        self._dropped = keep_from
+
+    @property
+    def reach(self) -> int | None:
+        """The first scan count that one can go back to."""
+        return self.frames[0].snapshot.scans if self.frames else None
+
+    def path_to(self, scan: int) -> tuple[Snapshot, list[tuple[int, Callable[[], None]]]]:
+        """The keyframe to start from, and the actions to repeat; forgets what came after `scan`."""
+        at = bisect_right([f.snapshot.scans for f in self.frames], scan) - 1
+        frame = self.frames[at]
+        del self.frames[at + 1 :]
+        start = frame.journal_at - self._dropped
+        end = start
+        while end < len(self.journal) and self.journal[end][0] <= scan:
+            end += 1
+        del self.journal[end:]
+        return frame.snapshot, self.journal[start:]
+
+
+# --------------------------------------------------------------------------------------------------- power
+
+
+def kept_regions(program: Program, persistent_only: bool) -> list[tuple[int, int]]:
+    """(address, size) of every RETAIN or PERSISTENT variable, members of instances included."""
+    regions: list[tuple[int, int]] = []
+    for v in program.variables.values():
+        if v.constant:
+            continue
+        if _kept(v, persistent_only):
+            regions.append((v.address, v.type.size))
+        else:
+            _collect(v.type, v.address, persistent_only, regions)
+    return regions
+
+
+def _kept(item, persistent_only: bool) -> bool:
+    return item.persistent or item.retain and not persistent_only
+
+
+def _collect(t: Type, address: int, persistent_only: bool, regions: list[tuple[int, int]]) -> None:
+    if isinstance(t, Struct | Block):
+        for f in t.members.values():
+            if f.section in ("VAR_TEMP", "VAR_IN_OUT"):
+                continue
+            at = f.offset if f.section == "VAR_STAT" else address + f.offset
+            if _kept(f, persistent_only):
+                regions.append((at, f.type.size))
+            else:
+                _collect(f.type, at, persistent_only, regions)
+    elif isinstance(t, Array) and t.element.size and _has_kept(t.element, persistent_only):
+        for offset in range(0, t.size, t.element.size):
+            _collect(t.element, address + offset, persistent_only, regions)
+
+
+def _has_kept(t: Type, persistent_only: bool) -> bool:
+    """Whether a type has such a member at any depth; spares the walk over the elements of large arrays."""
+    if isinstance(t, Array):
+        return _has_kept(t.element, persistent_only)
+    if isinstance(t, Struct | Block):
+        return any(_kept(f, persistent_only) or _has_kept(f.type, persistent_only) for f in t.members.values())
+    return False

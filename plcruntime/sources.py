@@ -1,0 +1,69 @@
+"""From what the user names (files, a folder, a project, a text) to what the compiler reads."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from plcruntime import project as projects
+from plcruntime.errors import UsageError
+from plcruntime.project import Project
+from stcore.source import Source
+
+SUFFIXES = (".st", ".exp", ".iecst")
+
+
+def gather(
+    named: str | Path | Sequence[str | Path], config: str | Path | None = None
+) -> tuple[list[Path | Source], Project]:
+    """The files to compile and the project's settings.
+
+    named: a file, a folder (all its ST files, or its plc.toml), a plc.toml, the text of a program, or a list of those.
+    Raises UsageError for what is not there or can't be read.
+    """
+    items = [named] if isinstance(named, str | Path) else list(named)
+    if not items and config is None:
+        raise UsageError("no file named")
+    project = projects.load(config) if config is not None else Project()
+    files: list[Path | Source] = []
+    for item in items:
+        if is_text(item):
+            files.append(Source(str(item), "<text>"))
+            continue
+        path = Path(item)
+        toml = path / projects.NAME if path.is_dir() else path
+        if toml.suffix == ".toml" and toml.is_file() and config is None:
+            project = projects.load(toml)
+            files += _of_project(project)
+        elif path.is_dir():
+            files += _of_folder(path)
+        else:
+            files.append(_readable(path))
+    return files or _of_project(project), project
+
+
+def is_text(item: str | Path) -> bool:
+    """True for the text of a program: no file's name has a line break or ends with a keyword."""
+    return isinstance(item, str) and ("\n" in item or item.rstrip().upper().endswith(("END_PROGRAM", ";")))
+
+
+def _of_project(project: Project) -> list[Path | Source]:
+    files: list[Path | Source] = []
+    for path in project.files:
+        files += _of_folder(path) if path.is_dir() else [_readable(path)]
+    return files
+
+
+def _of_folder(folder: Path) -> list[Path]:
+    found = sorted(p for p in folder.iterdir() if p.suffix.lower() in SUFFIXES and p.is_file())
+    if not found:
+        raise UsageError(f"no .st file in the folder {folder}")
+    return found
+
+
+def _readable(path: Path) -> Path:
+    try:
+        with open(path, "rb"):
+            return path
+    except OSError as error:
+        raise UsageError(f"can't read {path}: {error.strerror}") from None
