@@ -94,6 +94,7 @@ ELEMENTARY: dict[str, Elementary] = {
         Elementary("ANY_INT", "literal", 8, True),
         Elementary("ANY_REAL", "literal", 8, True),
         Elementary("NULL", "literal", 4),
+        Elementary("?", "error", 4),  # of an expression that was reported; goes with every type
     )
 }
 ALIASES = {
@@ -106,7 +107,7 @@ BOOL, SINT, INT, DINT, LINT = (ELEMENTARY[n] for n in ("BOOL", "SINT", "INT", "D
 USINT, UINT, UDINT, ULINT = (ELEMENTARY[n] for n in ("USINT", "UINT", "UDINT", "ULINT"))
 BYTE, WORD, DWORD, LWORD = (ELEMENTARY[n] for n in ("BYTE", "WORD", "DWORD", "LWORD"))
 REAL, LREAL, TIME, LTIME = (ELEMENTARY[n] for n in ("REAL", "LREAL", "TIME", "LTIME"))
-INT_LITERAL, REAL_LITERAL, NULL = (ELEMENTARY[n] for n in ("ANY_INT", "ANY_REAL", "NULL"))
+INT_LITERAL, REAL_LITERAL, NULL, ERROR = (ELEMENTARY[n] for n in ("ANY_INT", "ANY_REAL", "NULL", "?"))
 
 
 @dataclass(eq=False, slots=True, repr=False)

@@ -1,0 +1,163 @@
+"""The pipeline of one build: declare, check, emit, assemble."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from stcore import syntax as s
+from stcore import types as t
+from stcore.check import CheckedProject
+from stcore.diagnostics import CompileError, Diagnostic, Reporter
+from stcore.emit import ModuleEmitter
+from stcore.machine import assemble
+from stcore.near import near
+from stcore.program import Program, TaskSpec, Variable
+from stcore.scope import Pou, Var, key
+from stcore.source import Source
+
+
+def check_only(sources: list[Source], libraries: Sequence[Path], strict: bool) -> list[Diagnostic]:
+    project, reporter, _ = _checked(sources, libraries, strict)
+    return reporter.sorted()
+
+
+def build(
+    sources: list[Source], tasks: list[TaskSpec] | None, libraries: Sequence[Path], strict: bool
+) -> tuple[Program, list[str]]:
+    """The Program, and the paths of everything else that it was made of."""
+    project, reporter, user_pous = _checked(sources, libraries, strict)
+    if not reporter.failed:
+        tasks = tasks or _tasks(project, user_pous, reporter, sources)
+        for task in tasks or []:
+            for name in task.programs:
+                pou = project.lookup(name)
+                if isinstance(pou, Pou) and pou.kind == "PROGRAM":
+                    project.instance(pou)
+                    project.reach(pou)
+                else:
+                    known = [p.name for p in user_pous if p.kind == "PROGRAM"]
+                    reporter.add("E0702", sources[0], 0, name=name, near=near(name, known))
+        project.check_reached()
+    if reporter.failed:
+        raise CompileError(reporter.sorted())
+    for pou in user_pous:
+        if pou.kind == "PROGRAM":
+            project.instance(pou)  # its variables can be looked at, even if no task runs it
+    program = _emit(project, tasks, reporter, sources)
+    named = {x.path for x in sources}
+    used = [p for p in project.loaded if p not in named]
+    folders = {str(Path(p).parent) for p in (*named, *used) if Path(p).is_file()}
+    return program, used + sorted(folders)
+
+
+def _checked(sources: list[Source], libraries: Sequence[Path], strict: bool):
+    """Read and check everything that the user wrote, and what it needs."""
+    reporter = Reporter(strict)
+    folders = list(dict.fromkeys(Path(x.path).parent for x in sources if Path(x.path).is_file()))
+    project = CheckedProject(reporter, list(libraries), folders)
+    trees = [project.add_file(source) for source in sources]
+    pous = []
+    for source, tree in zip(sources, trees, strict=True):
+        for unit in tree.units:
+            if isinstance(unit, s.Pou):
+                symbol = project.lookup(unit.name)
+                if isinstance(symbol, Pou) and symbol.tree is unit:
+                    pous.append(symbol)
+                    if not unit.generics:
+                        project.reach(symbol)
+            elif isinstance(unit, s.TypeDecl):
+                project.lookup(unit.name)
+            elif isinstance(unit, s.VarSection):
+                for decl in unit.decls:
+                    project.lookup(f"{unit.name or Path(source.path).stem}.{decl.name}")
+    project.check_reached()
+    for var in project.globals:
+        project.direct(var)
+        if var.init is not None:
+            from stcore.check.initial import check_init
+
+            check_init(project, var.init, var.type, var.library)
+        project._reach_type(var.type)
+    for field, init in list(project.field_inits.items()):
+        from stcore.check.initial import check_init
+
+        check_init(project, init, field.type, False)
+    project.check_reached()
+    return project, reporter, pous
+
+
+def _tasks(project: CheckedProject, pous: list[Pou], reporter: Reporter, sources: list[Source]) -> list[TaskSpec] | None:
+    """Of a CONFIGURATION; else one task with PLC_PRG, MAIN or the only program."""
+    configured = _configured(project)
+    if configured:
+        return configured
+    programs = [p for p in pous if p.kind == "PROGRAM"]
+    by_name = {key(p.name): p for p in programs}
+    chosen = by_name.get("PLC_PRG") or by_name.get("MAIN") or (programs[0] if len(programs) == 1 else None)
+    if chosen is None:
+        code = "E0703" if programs else "E0701"
+        reporter.add(code, sources[0], 0, names=", ".join(p.name for p in programs))
+        return None
+    return [TaskSpec("main", [chosen.name])]
+
+
+def _configured(project: CheckedProject) -> list[TaskSpec]:
+    tasks: dict[str, TaskSpec] = {}
+    for tree, source in project.configurations:
+        for task in tree.tasks:
+            values = {n: project.evaluate(v, source, None, False) for n, v in task.properties.items()}
+            interval = values.get("INTERVAL")
+            tasks[key(task.name)] = TaskSpec(
+                task.name, [], interval * 10**6 if isinstance(interval, int) else None, values.get("PRIORITY") or 0
+            )
+        for instance in tree.programs:
+            task = tasks.setdefault(key(instance.task or "main"), TaskSpec(instance.task or "main", []))
+            task.programs.append(instance.type_name)
+    return sorted((x for x in tasks.values() if x.programs), key=lambda x: x.priority)
+
+
+def _emit(project: CheckedProject, tasks: list[TaskSpec], reporter: Reporter, sources: list[Source]) -> Program:
+    hooks = [p for p in project.reached if "call_after_scan" in p.attributes]
+    emitter = ModuleEmitter(project)
+    text = emitter.emit(tasks, hooks)
+    program = Program(
+        wasm=assemble(text), image=emitter.image(), image_end=emitter.image_end, limit=emitter.limit,
+        sites=emitter.sites, externals=emitter.externals, tasks=tasks, diagnostics=reporter.sorted(),
+        files=[x.path for x in sources] + [p for p in project.loaded if p not in {x.path for x in sources}],
+    )  # fmt: skip
+    for area, name in (("I", "inputs"), ("Q", "outputs"), ("M", "markers")):
+        setattr(program, name, (emitter.areas[area], project.areas[area]))
+    program.types = dict(project.named_types)
+    _variables(program, project, emitter)
+    return program
+
+
+def _variables(program: Program, project: CheckedProject, emitter: ModuleEmitter) -> None:
+    """Globals under their list's name (and their own, by the path rules), programs under theirs."""
+    for pou in project.pous:
+        if pou.kind == "PROGRAM" and pou.address is not None:
+            line = pou.source.position(pou.tree.name_start)[0]
+            program.variables[key(pou.name)] = Variable(
+                pou.name, pou.name, pou.type, pou.address, library=pou.library, file=pou.source.path, line=line,
+                attributes=pou.attributes,
+            )  # fmt: skip
+    for var in project.globals:
+        path = f"{var.section.removeprefix('VAR_GLOBAL ')}.{var.name}"
+        program.variables[key(path)] = _variable(var, path, emitter)
+    for pou in project.pous:
+        for var in pou.variables.values():
+            if var.owner is pou and var.storage == "area" and pou.kind == "PROGRAM":
+                path = f"{pou.name}.{var.name}"
+                program.variables[key(path)] = _variable(var, path, emitter)
+
+
+def _variable(var: Var, path: str, emitter: ModuleEmitter) -> Variable:
+    line = var.source.position(var.decl.start)[0]
+    return Variable(
+        var.name, path, var.type, emitter.address_of(var), var.constant, var.retain, var.persistent, var.library,
+        var.decl.address, var.bit, var.source.path, line, var.decl.attributes,
+    )  # fmt: skip
+
+
+__all__ = ["build", "check_only", "t"]

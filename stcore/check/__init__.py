@@ -1,0 +1,109 @@
+"""The checker: names and types of every POU that a program needs.
+
+It annotates the tree (type, const, symbol of each expression), puts implicit conversions into it, and leaves to the
+emitter nothing to decide but instructions.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from stcore import syntax as s
+from stcore import types as t
+from stcore.check import builtins
+from stcore.check.calls import copy_tree
+from stcore.check.initial import Initials
+from stcore.check.statements import Statements
+from stcore.declare import Declarer, Pending, Project
+from stcore.diagnostics import Reporter
+from stcore.scope import Pou, Var
+from stcore.source import Source
+
+
+class Checker(Statements, Initials):
+    """Checks one POU, or one expression outside any."""
+
+
+class CheckedProject(Project):
+    """A project whose POUs are checked as they are reached."""
+
+    def __init__(self, reporter: Reporter, libraries: list[Path], siblings: list[Path] | None = None) -> None:
+        super().__init__(reporter, libraries, siblings)
+        self.evaluate = self._evaluate
+        self.is_builtin = builtins.is_builtin
+        self.reached: dict[Pou, None] = {}
+        self.queue: list[Pou] = []
+        self.library_globals: set[Var] = set()
+        self.instances: dict[tuple, Pou] = {}
+        self.areas = {"I": 0, "Q": 0, "M": 0}  # bytes in use
+
+    def reach(self, pou: Pou) -> None:
+        """The program needs this POU."""
+        if pou not in self.reached:
+            self.reached[pou] = None
+            self.queue.append(pou)
+
+    def check_reached(self) -> None:
+        """Check every POU that is needed, and what those need."""
+        while self.queue or self.needs:
+            while self.needs:
+                pou = self.lookup(self.needs.pop(), library=True)
+                if pou is not None:
+                    self.instance(pou)
+                    self.reach(pou)
+            while self.queue:
+                self._check(self.queue.pop())
+
+    def _check(self, pou: Pou) -> None:
+        if pou.checked:
+            return
+        pou.checked = True
+        checker = Checker(self, pou.source, pou, pou.library)
+        for var in [*pou.variables.values(), *([pou.result] if pou.result else [])]:
+            self.direct(var)
+            self._reach_type(var.type)
+        checker.initial_values()
+        checker.check_pou()
+
+    def _reach_type(self, kind: t.Type) -> None:
+        """An instance may be called through a pointer: its code must be there."""
+        while isinstance(kind, t.Array):
+            kind = kind.element
+        if isinstance(kind, t.Block):
+            self.reach(self.block_pous[kind])
+        elif isinstance(kind, t.Struct):
+            for field in kind.members.values():
+                self._reach_type(field.type)
+
+    def direct(self, var: Var) -> None:
+        """Make room for a variable at a direct address."""
+        if var.storage == "area":
+            size = max(var.type.size, 1)
+            self.areas[var.area] = max(self.areas[var.area], var.address + size)
+
+    def instantiate(self, generic: Pou, bindings: dict[str, t.Type]) -> Pou:
+        """A generic function for given types."""
+        mark = (generic, *sorted((n, k.name) for n, k in bindings.items()))
+        pou = self.instances.get(mark)
+        if pou is None:
+            tree = copy_tree(generic.tree)
+            entry = Pending("pou", tree, generic.source, generic.library)
+            pou = Declarer(self, generic.source, generic.library).pou(entry, bindings)
+            for var in pou.parameters:
+                if var.section == "VAR_INPUT" and isinstance(var.type, t.String):
+                    var.indirect = True
+            self.instances[mark] = pou
+        return pou
+
+    def _evaluate(self, what: s.Node | Var, source: Source, pou: Pou | None, library: bool) -> object:
+        """The value of a constant expression, or of a constant from its initial value; None if it has none."""
+        checker = Checker(self, source, pou, library)
+        if isinstance(what, Var):
+            init = what.init
+            if init.checked:
+                return init.value.const if isinstance(init.value, s.Node) else None
+            checker.source = init.source
+            init.value = checker.typed(init.node, what.type, f"initial value of {what.name}")
+            init.checked = True
+            return init.value.const
+        return checker.value(what).const

@@ -1,0 +1,336 @@
+"""Calls: of functions, of instances of blocks, of programs and actions; their arguments matched to parameters."""
+
+from __future__ import annotations
+
+import pickle
+from dataclasses import dataclass, field
+
+from stcore import syntax as s
+from stcore import types as t
+from stcore.check import builtins
+from stcore.check.conversions import common, kind_of, same
+from stcore.check.expressions import Expressions
+from stcore.near import near
+from stcore.scope import ActionOf, Builtin, Pou, TypeName, Var, key
+
+
+@dataclass(eq=False, slots=True)
+class FunctionCall:
+    """values: (parameter, argument) of inputs and in-outs in the order of declaration, argument None for the
+    parameter's own initial value. outputs: (parameter, place) of those that are connected."""
+
+    pou: Pou
+    values: list[tuple[Var, s.Node | None]]
+    outputs: list[tuple[Var, s.Node]]
+    en: s.Node | None = None
+    eno: s.Node | None = None
+
+
+@dataclass(eq=False, slots=True)
+class BlockCall:
+    """A call of an instance: what to store into its inputs before, what to copy from its outputs after."""
+
+    pou: Pou
+    instance: s.Node | None  # None: a program, whose instance is known
+    inputs: list[tuple[Var, s.Node]] = field(default_factory=list)
+    in_outs: list[tuple[Var, s.Node | None]] = field(default_factory=list)
+    outputs: list[tuple[Var, s.Node]] = field(default_factory=list)
+    en: s.Node | None = None
+    eno: s.Node | None = None
+
+
+class Calls(Expressions):
+    """Checks calls."""
+
+    def call(self, node: s.Call, checked: bool = False) -> s.Node:
+        """checked: the arguments have been checked already."""
+        if isinstance(node.callee, s.Name):
+            symbol = self.lookup(node.callee.name)
+            if isinstance(symbol, Builtin):
+                return builtins.check(self, symbol.name, node)
+            if symbol is self.pou_result() and symbol is not None:
+                symbol = self.pou  # a function that calls itself
+            if symbol is None and key(node.callee.name).startswith("TO_"):
+                made = self._overloaded_conversion(node)
+                if made is not None:
+                    return made
+            if symbol is None:
+                self.unknown_name(node.callee, node.callee.name, "E0404")
+                return self._skip(node)
+        else:
+            node.callee = self.expr(node.callee)
+            symbol = node.callee.symbol
+        return self._call_symbol(node, symbol, checked)
+
+    def pou_result(self) -> Var | None:
+        return self.pou.result if self.pou is not None else None
+
+    def _call_symbol(self, node: s.Call, symbol: object, checked: bool) -> s.Node:
+        if isinstance(symbol, Pou) and symbol.kind == "FUNCTION":
+            return self._function(node, symbol, checked)
+        if isinstance(node.callee, s.Name):
+            node.callee = self.expr(node.callee)
+            symbol = node.callee.symbol
+        if isinstance(symbol, ActionOf | s.Action):
+            return self._action(node, symbol)
+        kind = node.callee.type
+        if kind is t.ERROR:
+            return self._skip(node)
+        if isinstance(kind, t.Pointer) and isinstance(kind.target, t.Block):
+            self.error("E0307", node.callee, name="()", base=self.text(node.callee))
+            return self._skip(node)
+        if isinstance(kind, t.Block):
+            return self._block(node, kind, checked)
+        if isinstance(symbol, TypeName) or isinstance(symbol, Pou):
+            self.error("E0405", node.callee, name=self.text(node.callee))
+        else:
+            self.error("E0406", node.callee, name=self.text(node.callee), type=kind)
+        return self._skip(node)
+
+    def _skip(self, node: s.Call) -> s.Node:
+        """Look at the arguments of a call that can't be checked, for their own errors."""
+        for arg in node.args:
+            if arg.value is not None and not arg.output:
+                self.value(arg.value)
+        return self.wrong(node)
+
+    def _action(self, node: s.Call, symbol: object) -> s.Node:
+        if node.args:
+            self.error("E0401", node, name=self.text(node.callee), wanted=0, given=len(node.args))
+        node.symbol = node.callee.symbol
+        node.type = None
+        return node
+
+    def _overloaded_conversion(self, node: s.Call) -> s.Node | None:
+        """TO_STRING(x): the library's conversion for the type of x."""
+        target = key(node.callee.name)[3:]
+        if target not in ("STRING", "WSTRING") or len(node.args) != 1 or node.args[0].value is None:
+            return None
+        value = self.settle(self.value(node.args[0].value))
+        if value.type is t.ERROR:
+            return self.wrong(node)
+        base = t.base_of(value.type)
+        name = "STRING" if isinstance(base, t.String) else base.name
+        return self.library_call(node, f"{name}_TO_{target}", [value])
+
+    def library_call(self, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
+        """Call a function of the library with arguments that have been checked."""
+        args = [s.Arg(v.start, v.end, None, v, False, False) for v in values]
+        callee = s.Name(node.start, node.end, name)
+        return self.call(s.Call(node.start, node.end, callee, args), checked=True)
+
+    # --------------------------------------------------------------------------------------- functions
+
+    def _function(self, node: s.Call, pou: Pou, checked: bool) -> s.Node:
+        generic = bool(pou.tree.generics) and not pou.bindings
+        if generic:
+            pou = self._instantiate(node, pou, checked)
+            if pou is None:
+                return self._skip(node)
+            checked = True
+        if len(node.args) > len(pou.inputs()) and len(pou.inputs()) == 2 and generic:
+            return self._chain(node, pou)
+        bound = self._match(node, pou)
+        if bound is None:
+            return self._skip(node) if not checked else self.wrong(node)
+        call = FunctionCall(pou, [], [])
+        call.en, call.eno = self._enable(bound, pou)
+        for parameter in pou.parameters:
+            arg = bound.get(parameter)
+            if parameter.section == "VAR_OUTPUT":
+                if arg is not None and arg.value is not None:
+                    call.outputs.append((parameter, self._output(arg, parameter)))
+            else:
+                call.values.append((parameter, self._argument(node, arg, parameter, pou, checked)))
+        self.use(pou)
+        if self.pou is not None and (pou.writes_outside or pou.external or not pou.library):
+            self.pou.writes_outside = True
+        node.symbol = call
+        node.type = pou.result.type if pou.result is not None else None
+        if "real_result" in pou.attributes and node.type is t.LREAL and self._all_real(call):
+            return self._single_precision(node)
+        return node
+
+    @staticmethod
+    def _all_real(call: FunctionCall) -> bool:
+        """True if what was given is REAL: then so is the result."""
+
+        def origin(value: s.Node) -> t.Type:
+            return value.operand.type if hasattr(value, "operand") and value.const is None else value.type
+
+        given = [v for _, v in call.values if v is not None]
+        return any(origin(v) is t.REAL for v in given) and all(origin(v) is t.REAL or v.const is not None for v in given)
+
+    def _single_precision(self, node: s.Call) -> s.Node:
+        return self._wrapped(node, t.REAL)
+
+    def _chain(self, node: s.Call, pou: Pou) -> s.Node:
+        """CONCAT(a, b, c): CONCAT(CONCAT(a, b), c)."""
+        values = [a.value for a in node.args]
+        inner = self.library_call(node, pou.name, values[:2])
+        for v in values[2:]:
+            inner = self.library_call(node, pou.name, [inner, v])
+        return inner
+
+    def _instantiate(self, node: s.Call, pou: Pou, checked: bool) -> Pou | None:
+        """The function for the types of these arguments."""
+        for arg in node.args:
+            if arg.value is not None and not arg.output and not checked:
+                arg.value = self.value(arg.value)
+            if arg.value is not None and arg.value.type is t.ERROR:
+                return None
+        bindings: dict[str, t.Type] = {}
+        names = {key(n): any_type for n, any_type in pou.tree.generics}
+        declared = [d for x in pou.tree.sections if x.kind in ("VAR_INPUT", "VAR_IN_OUT") for d in x.decls]
+        for i, arg in enumerate(node.args):
+            decl = next((d for d in declared if arg.name and key(d.name) == key(arg.name)), None)
+            decl = decl or (declared[min(i, len(declared) - 1)] if arg.name is None else None)
+            if decl is None or arg.value is None or not isinstance(decl.type, s.NamedType):
+                continue
+            name = key(decl.type.name)
+            if name in names:
+                bindings[name] = _bind(bindings.get(name), self.settle(arg.value).type)
+        for name, any_type in names.items():
+            kind = bindings.get(name)
+            if kind is None or not _is_any(kind, key(any_type)):
+                self.error("E0407", node, name=pou.name, wanted=any_type, given=kind or "nothing")
+                return None
+            if isinstance(kind, t.String):
+                bindings[name] = t.String(max(kind.length, 255), kind.wide)
+        return self.project.instantiate(pou, bindings)
+
+    # ---------------------------------------------------------------------------------------- arguments
+
+    def _match(self, node: s.Call, pou: Pou) -> dict | None:
+        """Parameter -> Arg ('EN' and 'ENO' by name). None when there are too many or unknown ones."""
+        inputs, bound, failed = pou.inputs(), {}, False
+        named = {key(p.name): p for p in pou.parameters}
+        position = 0
+        for arg in node.args:
+            if arg.name is None:
+                if position >= len(inputs):
+                    self.error("E0401", node, name=pou.name, wanted=len(inputs), given=len(node.args))
+                    return None
+                parameter = inputs[position]
+                position += 1
+            else:
+                parameter = named.get(key(arg.name)) or (key(arg.name) if key(arg.name) in ("EN", "ENO") else None)
+            if parameter is None:
+                known = [p.name for p in pou.parameters]
+                hint = near(arg.name, known) or (f"it has {', '.join(known)}" if known else "it has none")
+                self.error("E0408", arg, hint=hint, name=pou.name, parameter=arg.name)
+                failed = True
+            elif parameter in bound:
+                self.error("E0409", arg, name=pou.name, parameter=arg.name or parameter.name)
+            else:
+                bound[parameter] = arg
+        return None if failed else bound
+
+    def _enable(self, bound: dict, pou: Pou) -> tuple[s.Node | None, s.Node | None]:
+        """EN := condition and ENO => place, which every POU has without declaring them."""
+        en = self.boolean(bound["EN"].value, "EN") if "EN" in bound else None
+        eno = self.place(bound["ENO"].value, write=True) if "ENO" in bound else None
+        return en, eno
+
+    def _argument(self, node: s.Call, arg: s.Arg | None, parameter: Var, pou: Pou, checked: bool) -> s.Node | None:
+        """The value of an input, or the place of an in-out."""
+        if arg is None or arg.value is None:
+            if parameter.section == "VAR_IN_OUT" and arg is None:
+                self.error("E0410", node, name=pou.name, parameter=parameter.name)
+            return None
+        what = f"{parameter.name} of {pou.name}"
+        if parameter.section == "VAR_IN_OUT":
+            return self._in_out(arg, parameter, what)
+        value = arg.value if checked else self.value(arg.value)
+        if parameter.indirect and isinstance(value.type, t.String) and value.type.wide == parameter.type.wide:
+            return value
+        return self.convert(value, parameter.type, what)
+
+    def _in_out(self, arg: s.Arg, parameter: Var, what: str) -> s.Node:
+        constant = parameter.constant
+        place = self.value(arg.value) if constant else self.place(arg.value, write=True, addressed=True)
+        if constant and not isinstance(place, s.Literal):
+            place = self.place(place, write=False, addressed=True) if not isinstance(place, s.Call) else place
+        given, wanted = place.type, parameter.type
+        if t.ERROR in (given, wanted):
+            return place
+        strings = isinstance(given, t.String) and isinstance(wanted, t.String) and given.wide == wanted.wide
+        arrays = isinstance(given, t.Array) and isinstance(wanted, t.Array)
+        open_array = arrays and not wanted.bounds and same(given.element, wanted.element)
+        if strings and given.length < wanted.length and not constant:
+            self.warn("W0401", arg, given=given, wanted=wanted, what=what)
+        elif not (same(given, wanted) or strings or open_array or t.base_of(given) is t.base_of(wanted)):
+            equal = arrays and wanted.bounds and self._compatible_aggregates(place, given, wanted)
+            if not equal:
+                self.error("E0411", arg, what=what, given=given, wanted=wanted)
+        if isinstance(place, s.Part) or isinstance(place.symbol, Var) and place.symbol.bit is not None:
+            self.error("E0402", arg, name=self.text(arg.value))
+        return place
+
+    def _output(self, arg: s.Arg, parameter: Var) -> s.Node:
+        place = self.place(arg.value, write=True)
+        if place.type is not t.ERROR:
+            probe = s.Name(arg.start, arg.end, parameter.name)
+            probe.type = parameter.type
+            self.convert(probe, place.type, f"output {parameter.name}")
+        return place
+
+    # -------------------------------------------------------------------------------------------- blocks
+
+    def _block(self, node: s.Call, kind: t.Block, checked: bool) -> s.Node:
+        pou = self.project.block_pous[kind]
+        bound = self._match(node, pou)
+        if bound is None:
+            return self._skip(node)
+        call = BlockCall(pou, node.callee)
+        call.en, call.eno = self._enable(bound, pou)
+        for parameter in pou.parameters:
+            arg = bound.get(parameter)
+            if parameter.section == "VAR_OUTPUT":
+                if arg is not None and not arg.output and arg.name and arg.value is not None:
+                    self.error("E0412", arg, parameter=parameter.name)
+                elif arg is not None and arg.value is not None:
+                    call.outputs.append((parameter, self._output(arg, parameter)))
+            elif parameter.section == "VAR_IN_OUT":
+                place = self._argument(node, arg, parameter, pou, checked)
+                call.in_outs.append((parameter, place))
+            elif arg is not None and arg.value is not None:
+                call.inputs.append((parameter, self._argument(node, arg, parameter, pou, checked)))
+        self.use(pou)
+        if self.pou is not None:
+            self.pou.writes_outside = True
+        self._mark(node.callee, node.callee, True, True)
+        node.symbol, node.type = call, None
+        return node
+
+
+def _bind(known: t.Type | None, kind: t.Type) -> t.Type:
+    """The type that a generic name stands for, after one more argument."""
+    if known is None:
+        return kind
+    if isinstance(known, t.String) and isinstance(kind, t.String):
+        return t.String(max(known.length, kind.length), known.wide or kind.wide)
+    return common(known, kind) or known
+
+
+_ANY = {
+    "ANY": None,
+    "ANY_STRING": ("string",),
+    "ANY_NUM": ("int", "bits", "real"),
+    "ANY_INT": ("int", "bits"),
+    "ANY_REAL": ("real",),
+    "ANY_BIT": ("bits", "bool"),
+    "ANY_DATE": ("date",),
+    "ANY_TIME": ("time",),
+    "ANY_ELEMENTARY": ("int", "bits", "real", "bool", "time", "date", "string", "char"),
+}
+
+
+def _is_any(kind: t.Type, any_type: str) -> bool:
+    wanted = _ANY.get(any_type)
+    return wanted is None or kind_of(kind) in wanted
+
+
+def copy_tree(tree: s.Node) -> s.Node:
+    """A tree without annotations: each instance of a generic function is checked on its own copy."""
+    return pickle.loads(pickle.dumps(tree))

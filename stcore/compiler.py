@@ -1,0 +1,102 @@
+"""From files to a Program: the whole pipeline, and the cache of whole builds."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Sequence
+from pathlib import Path
+
+from stcore import cache, fingerprint
+from stcore.diagnostics import CompileError, Diagnostic, Reporter
+from stcore.program import Program, TaskSpec
+from stcore.source import Source, read
+
+LIBRARY = Path(__file__).parent / "library"
+
+Files = Sequence[Path | str | Source]
+
+
+def compile(  # noqa: A001 - the verb that users know
+    files: Files, *, tasks: list[TaskSpec] | None = None, libraries: Sequence[Path] = (), strict: bool = False
+) -> Program:
+    """Compile ST files (folders stand for the .st files in them) to a Program.
+
+    tasks: which programs run; by default those of a CONFIGURATION, else PLC_PRG, else MAIN, else the only program.
+    libraries: folders of ST besides the standard library. strict: mends of printed listings are errors.
+    Raises CompileError with all diagnostics, OSError for a file that can't be read.
+    """
+    sources = _sources(files)
+    key = _build_key(sources, tasks, libraries, strict)
+    kept = cache.load("build", key)
+    if kept is not None:
+        program = _unpack(kept, key)
+        if program is not None:
+            return program
+    from stcore.build_program import build  # the compiler proper is not loaded for a build that is kept
+
+    program, used = build(sources, tasks, [LIBRARY, *libraries], strict)
+    cache.store("build", key, _pack(program, used))
+    return program
+
+
+def check(files: Files, *, libraries: Sequence[Path] = (), strict: bool = False) -> list[Diagnostic]:
+    """All diagnostics of the files, in order; no module is made."""
+    from stcore.build_program import check_only
+
+    return check_only(_sources(files), [LIBRARY, *libraries], strict)
+
+
+def compile_condition(program: Program, text: str) -> bytes:
+    """An ST expression of type BOOL over the program's variables, for Machine.set_until. Raises CompileError."""
+    from stcore.condition import compile_condition as make
+
+    return make(program, text)
+
+
+def _sources(files: Files) -> list[Source]:
+    sources: list[Source] = []
+    for file in files:
+        if isinstance(file, Source):
+            sources.append(file)
+        elif Path(file).is_dir():
+            sources += [read(f) for f in sorted(Path(file).rglob("*.st"))]
+        else:
+            sources.append(read(file))
+    return sources
+
+
+# ------------------------------------------------------------------------------------------- cache of builds
+
+
+def _build_key(sources: list[Source], tasks: list[TaskSpec] | None, libraries: Sequence[Path], strict: bool) -> str:
+    parts = [fingerprint.compiler_fingerprint().encode(), repr((tasks, [str(x) for x in libraries], strict)).encode()]
+    for source in sources:
+        parts += [source.path.encode(), source.text.encode("utf-8", "surrogatepass")]
+    return fingerprint.digest(*parts)
+
+
+def _stamp(path: str) -> tuple[int, int] | None:
+    try:
+        info = Path(path).stat()
+    except OSError:
+        return None
+    return info.st_mtime_ns, info.st_size
+
+
+def _pack(program: Program, used: list[str]) -> bytes:
+    """A build with the stamps of the files and folders that it was made of besides the sources named."""
+    stamps = {path: _stamp(path) for path in used}
+    return pickle.dumps((stamps, pickle.dumps(program, protocol=5)), protocol=5)
+
+
+def _unpack(data: bytes, key: str) -> Program | None:
+    try:
+        stamps, inner = pickle.loads(data)
+        if any(_stamp(path) != stamp for path, stamp in stamps.items()):
+            return None
+        return pickle.loads(inner)
+    except (pickle.UnpicklingError, EOFError, AttributeError, ImportError, IndexError, ValueError, TypeError):
+        return None  # written by another version, or damaged: build again
+
+
+__all__ = ["CompileError", "check", "compile", "compile_condition"]

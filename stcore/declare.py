@@ -1,0 +1,554 @@
+"""Declarations: from syntax trees to symbols and types, each name resolved when something first needs it.
+
+A Project holds the names of one compilation. A name is looked for among the user's files, then among the sibling
+files, then in the library, whose files are read only when a program uses them. Code of the library sees the library
+only: a user's own TON does not reach into it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from stcore import syntax as s
+from stcore import types as t
+from stcore.cache import parse_cached
+from stcore.diagnostics import Reporter
+from stcore.library import Entry, index
+from stcore.near import near
+from stcore.program import NULL_PAGE
+from stcore.scope import Builtin, EnumValue, GlobalList, Init, Pou, TypeName, Var, key
+from stcore.source import Source, read
+
+_EMPTY = frozenset()
+
+
+@dataclass(eq=False, slots=True)
+class Pending:
+    """A declaration that has been read but not resolved."""
+
+    kind: str  # 'pou', 'type', 'enum value', 'global', 'list'
+    tree: s.Node
+    source: Source
+    library: bool
+    extra: object = None  # the section of a global; the type name of an enum value; a GlobalList
+    symbol: object = None
+    busy: bool = False
+    at: int = 0  # where the name stands
+
+
+def align(value: int, to: int) -> int:
+    return (value + to - 1) // to * to
+
+
+class Project:
+    """All names, types and storage of one compilation.
+
+    evaluate: set by the checker; evaluates a constant expression of a declaration.
+    """
+
+    def __init__(self, reporter: Reporter, libraries: list[Path], siblings: list[Path] | None = None) -> None:
+        self.reporter = reporter
+        self.user: dict[str, Pending] = {}
+        self.library: dict[str, Pending] = {}
+        self.sibling_index: dict[str, Entry] = {}
+        self.library_index: dict[str, Entry] = {}
+        for folder in siblings or []:
+            for name, entry in index(folder, recursive=False, library=False).items():
+                self.sibling_index.setdefault(name, entry)
+        for folder in libraries:
+            for name, entry in index(folder, recursive=True, library=True).items():
+                self.library_index.setdefault(name, entry)
+        self.loaded: dict[str, Source] = {}  # path -> source of every file read
+        self.pous: list[Pou] = []  # declared, in order
+        self.globals: list[Var] = []  # with storage, in order
+        self.configurations: list[tuple[s.Configuration, Source]] = []
+        self.type_inits: dict[str, Init] = {}
+        self.field_inits: dict[t.Field, Init] = {}
+        self.block_pous: dict[t.Block, Pou] = {}
+        self.named_types: dict[str, t.Type] = {}
+        self.needs: list[str] = []  # library programs that a global list brings along
+        self.top = NULL_PAGE  # next free address of the image
+        self.evaluate: Callable[[s.Node, Source, Pou | None, bool], object] = lambda *_: None
+        self.is_builtin: Callable[[str], bool] = lambda _: False
+
+    # ------------------------------------------------------------------------------------------- files
+
+    def add_file(self, source: Source, *, library: bool = False, tree: s.File | None = None) -> s.File:
+        """Read the declarations of a file. Its errors go to the reporter."""
+        tree = tree or parse_cached(source, self.reporter)
+        self.loaded[source.path] = source
+        table = self.library if library else self.user
+        for unit in tree.units:
+            self._add_unit(unit, source, library, table)
+        if "needs" in tree.attributes:
+            self.needs.append(tree.attributes["needs"])
+        return tree
+
+    def _add_unit(self, unit: s.Node, source: Source, library: bool, table: dict[str, Pending]) -> None:
+        match unit:
+            case s.Pou():
+                self._add(table, unit.name, Pending("pou", unit, source, library, at=unit.name_start))
+            case s.TypeDecl():
+                self._add(table, unit.name, Pending("type", unit, source, library, at=unit.name_start))
+                if isinstance(unit.type, s.EnumDef) and "qualified_only" not in unit.attributes:
+                    for name, at, _ in unit.type.items:
+                        self._add(table, name, Pending("enum value", unit, source, library, unit.name, at=at))
+            case s.VarSection():
+                self._add_globals(unit, source, library, table)
+            case s.Configuration():
+                self.configurations.append((unit, source))
+                for section in unit.sections:
+                    self._add_globals(section, source, library, table)
+
+    def _add_globals(self, section: s.VarSection, source: Source, library: bool, table: dict[str, Pending]) -> None:
+        name = section.name or Path(source.path).stem
+        qualified = "qualified_only" in section.attributes
+        if "needs" in section.attributes:
+            self.needs.append(section.attributes["needs"])
+        existing = table.get(key(name))
+        if existing and existing.kind == "list":
+            listed = existing.extra
+        else:
+            listed = GlobalList(name, set())
+            if existing is None:
+                table[key(name)] = Pending("list", section, source, library, listed, listed)
+        for decl in section.decls:
+            listed.variables.add(key(decl.name))
+            entry = Pending("global", decl, source, library, (section, name), at=decl.start)
+            table[key(f"{name}.{decl.name}")] = entry
+            if not qualified:
+                self._add(table, decl.name, entry)
+
+    def _add(self, table: dict[str, Pending], name: str, entry: Pending) -> None:
+        first = table.get(key(name))
+        if first is not None and first.kind == "list":
+            first = None
+        if first is not None and not entry.library:
+            line = first.source.position(first.at)[0]
+            where = "" if first.source.path == entry.source.path else f" of {first.source.path}"
+            self.reporter.add("E0201", entry.source, entry.at, entry.at + len(name), name=name, line=f"{line}{where}")
+            return
+        if first is None:
+            table[key(name)] = entry
+
+    # ------------------------------------------------------------------------------------------- names
+
+    def lookup(self, name: str, library: bool = False) -> object | None:
+        """The symbol of a global name, or None. library: asked by code of the library."""
+        upper = key(name)
+        if not library:
+            entry = self.user.get(upper)
+            if entry is None and upper in self.sibling_index and not self.is_builtin(upper):
+                entry = self._load(upper, self.sibling_index[upper], self.user)
+            if entry is not None:
+                return self._resolve(entry)
+        if self.is_builtin(upper):
+            return Builtin(upper)
+        entry = self.library.get(upper)
+        if entry is None and upper in self.library_index:
+            entry = self._load(upper, self.library_index[upper], self.library)
+        return None if entry is None else self._resolve(entry)
+
+    def _load(self, name: str, entry: Entry, table: dict[str, Pending]) -> Pending | None:
+        """Read the file that the index names; of a sibling only what was asked for."""
+        path = str(entry.path)
+        if path in self.loaded and entry.library:
+            return table.get(name)
+        source = self.loaded.get(path) or read(entry.path)
+        if entry.library:
+            self.add_file(source, library=True)
+            return table.get(name)
+        self.loaded[path] = source
+        wanted: dict[str, Pending] = {}
+        quiet = Reporter()  # what is wrong elsewhere in a sibling is not this program's concern
+        for unit in parse_cached(source, quiet).units:
+            if not (isinstance(unit, s.Pou) and unit.kind == "PROGRAM"):
+                self._add_unit(unit, source, False, wanted)
+        for found, pending in wanted.items():
+            table.setdefault(found, pending)
+        return table.get(name)
+
+    def known_names(self, library: bool = False) -> list[str]:
+        """Every global name there is, for 'did you mean'."""
+        names = [e.path.stem if e.path.stem.upper() == n else n for n, e in self.library_index.items()]
+        if not library:
+            for n, p in self.user.items():
+                names.append(getattr(p.tree, "name", None) or n)
+            names += self.sibling_index
+        return names
+
+    def _resolve(self, entry: Pending) -> object | None:
+        if entry.symbol is not None:
+            return entry.symbol
+        if entry.busy:
+            name = getattr(entry.tree, "name", "?")
+            self.reporter.add("E0203", entry.source, entry.at, entry.at + len(name), name=name)
+            return None
+        entry.busy = True
+        match entry.kind:
+            case "pou":
+                entry.symbol = Declarer(self, entry.source, entry.library).pou(entry)
+            case "type":
+                entry.symbol = TypeName(self._type_decl(entry))
+            case "enum value":
+                holder = (self.library if entry.library else self.user)[key(entry.extra)]
+                symbol = self._resolve(holder)
+                name = key(next(n for n, at, _ in entry.tree.type.items if at == entry.at))
+                number = {key(n): v for n, v in symbol.type.values.items()}.get(name)
+                entry.symbol = EnumValue(symbol.type, number)
+            case "global":
+                entry.symbol = Declarer(self, entry.source, entry.library).global_variable(entry)
+        entry.busy = False
+        return entry.symbol
+
+    def _type_decl(self, entry: Pending) -> t.Type:
+        tree = entry.tree
+        made = Declarer(self, entry.source, entry.library).type(tree.type, tree.name)
+        if tree.init is not None:
+            self.type_inits[key(tree.name)] = Init(tree.init, entry.source)
+        elif isinstance(tree.type, s.NamedType) and key(tree.type.name) in self.type_inits:
+            self.type_inits[key(tree.name)] = self.type_inits[key(tree.type.name)]
+        self.named_types[key(tree.name)] = made
+        return made
+
+    # ----------------------------------------------------------------------------------------- storage
+
+    def allocate(self, size: int, alignment: int) -> int:
+        """Room in the image."""
+        address = align(self.top, max(alignment, 1))
+        self.top = address + size
+        return address
+
+    def instance(self, pou: Pou) -> int:
+        """The address of a program's one instance, given out when it is first asked for."""
+        if pou.address is None:
+            pou.address = self.allocate(pou.type.size, 8)
+        return pou.address
+
+
+class Declarer:
+    """Resolves the declarations of one file."""
+
+    def __init__(self, project: Project, source: Source, library: bool) -> None:
+        self.project = project
+        self.source = source
+        self.library = library
+
+    def error(self, code: str, node: s.Node, **fields) -> None:
+        self.project.reporter.add(code, self.source, node.start, node.end, **fields)
+
+    # ------------------------------------------------------------------------------------------- types
+
+    def type(self, node: s.Node, name: str = "", pou: Pou | None = None) -> t.Type:
+        """The type that a type node means; DINT after an error was reported."""
+        match node:
+            case s.NamedType():
+                return self.named(node, pou)
+            case s.StringType():
+                length = 80 if node.length is None else self._integer(node.length, pou, 80)
+                return t.String(min(max(length, 1), 65535), node.wide)
+            case s.ArrayOf():
+                element = self.type(node.element, pou=pou)
+                return t.Array(element, self._bounds(node, pou))
+            case s.PointerTo():
+                return t.Pointer(self._pointee(node.target, pou))
+            case s.ReferenceTo():
+                return t.Pointer(self._pointee(node.target, pou), reference=True)
+            case s.EnumDef():
+                return self._enum(node, name or "ENUM", pou)
+            case s.Subrange():
+                base = t.base_of(self.named(s.NamedType(node.start, node.end, node.base, None), pou))
+                low, high = self._integer(node.low, pou, 0), self._integer(node.high, pou, 0)
+                return t.SubrangeType(name or f"{base}({low}..{high})", base, low, high)
+            case s.StructDef() | s.UnionDef():
+                return self._struct(node, name or "STRUCT", pou)
+        raise TypeError(node)
+
+    def named(self, node: s.NamedType, pou: Pou | None = None) -> t.Type:
+        upper = key(node.name)
+        if pou is not None and upper in pou.bindings:
+            return pou.bindings[upper]
+        upper = t.ALIASES.get(upper, upper)
+        if upper in t.ELEMENTARY and t.ELEMENTARY[upper].kind != "literal":
+            return t.ELEMENTARY[upper]
+        symbol = self.project.lookup(node.name.rpartition(".")[2], self.library)
+        if isinstance(symbol, TypeName):
+            return symbol.type
+        if isinstance(symbol, Pou) and symbol.type is not None:
+            return symbol.type
+        if symbol is not None:
+            self.error("E0204", node, name=node.name)
+        else:
+            known = [n for n in t.ELEMENTARY if not n.startswith("ANY")] + self.project.known_names(self.library)
+            self.error("E0202", node, name=node.name, near=near(node.name, known))
+        return t.DINT
+
+    def _pointee(self, node: s.Node, pou: Pou | None) -> t.Type:
+        """A pointer may lead to a type that is still being declared: a list's next element."""
+        if isinstance(node, s.NamedType):
+            table = self.project.library if self.library else self.project.user
+            entry = table.get(key(node.name))
+            if entry is not None and entry.busy and entry.symbol is not None:
+                return entry.symbol.type
+        return self.type(node, pou=pou)
+
+    def _integer(self, node: s.Node, pou: Pou | None, default: int) -> int:
+        value = self.project.evaluate(node, self.source, pou, self.library)
+        if isinstance(value, bool) or not isinstance(value, int):
+            self.error("E0601", node)
+            return default
+        return value
+
+    def _bounds(self, node: s.ArrayOf, pou: Pou | None) -> list[tuple[int, int]]:
+        bounds = []
+        for dim in node.dims:
+            if dim is None:
+                return []
+            low, high = (self._integer(b, pou, 0) for b in dim)
+            if high < low:
+                self.project.reporter.add("E0205", self.source, dim[0].start, dim[1].end, low=low, high=high)
+                high = low
+            bounds.append((low, high))
+        return bounds
+
+    def _enum(self, node: s.EnumDef, name: str, pou: Pou | None) -> t.Enum:
+        base = t.base_of(self.named(s.NamedType(node.start, node.end, node.base, None), pou)) if node.base else t.INT
+        values: dict[str, int] = {}
+        number = 0
+        for item, _, value in node.items:
+            if value is not None:
+                known = {key(n): v for n, v in values.items()}
+                earlier = known.get(key(value.name)) if isinstance(value, s.Name) else None
+                number = earlier if earlier is not None else self._integer(value, pou, number)
+            values[item] = number
+            number += 1
+        return t.Enum(name, base, values)
+
+    def _struct(self, node: s.StructDef | s.UnionDef, name: str, pou: Pou | None) -> t.Struct:
+        union = isinstance(node, s.UnionDef)
+        struct = t.Struct(name, {}, union)
+        table = self.project.library if self.library else self.project.user
+        entry = table.get(key(name))
+        if entry is not None and entry.busy:
+            entry.symbol = TypeName(struct)  # for pointers to itself
+            entry.symbol = None if self._contains_itself(node, name) else entry.symbol
+        if not union and node.extends:
+            base = self.named(s.NamedType(node.start, node.end, node.extends, None), pou)
+            if isinstance(base, t.Struct):
+                struct.members.update(base.members)
+                struct.size, struct.align = base.size, base.align
+        for decl in node.fields_:
+            kind = self.type(decl.type, pou=pou)
+            offset = 0 if union else align(struct.size, kind.align)
+            field = t.Field(decl.name, kind, offset, attributes=decl.attributes)
+            if key(decl.name) in struct.members:
+                first = struct.members[key(decl.name)]
+                self.project.reporter.add(
+                    "E0201", self.source, decl.start, decl.start + len(decl.name), name=decl.name, line=first.name
+                )
+                continue
+            struct.members[key(decl.name)] = field
+            init = self.initial(decl, pou)
+            if init is not None:
+                self.project.field_inits[field] = init
+            struct.size = max(struct.size, offset + kind.size)
+            struct.align = max(struct.align, kind.align)
+        struct.size = align(max(struct.size, 1), struct.align)
+        return struct
+
+    @staticmethod
+    def _contains_itself(node: s.Node, name: str) -> bool:
+        def direct(kind: s.Node) -> bool:
+            if isinstance(kind, s.ArrayOf):
+                return direct(kind.element)
+            return isinstance(kind, s.NamedType) and key(kind.name) == key(name)
+
+        return any(direct(d.type) for d in node.fields_)
+
+    def initial(self, decl: s.VarDecl, pou: Pou | None) -> Init | None:
+        """What a declaration says of the initial value: its own, or its type's."""
+        if decl.init is not None:
+            return Init(decl.init, self.source, pou)
+        if isinstance(decl.type, s.NamedType):
+            if decl.type.args:
+                return Init(s.StructInit(decl.type.start, decl.type.end, decl.type.args), self.source, pou)
+            return self.project.type_inits.get(key(decl.type.name))
+        return None
+
+    # ----------------------------------------------------------------------------------------- globals
+
+    def global_variable(self, entry: Pending) -> Var:
+        section, list_name = entry.extra
+        decl = entry.tree
+        var = self._var(decl, section, None)
+        var.storage = "global"
+        var.source = self.source
+        self._place_static(var)
+        var.name = decl.name
+        var.decl = decl
+        entry.symbol = var
+        self.project.globals.append(var)
+        if var.constant:
+            self._constant(var)
+        var.section = f"VAR_GLOBAL {list_name}"
+        return var
+
+    def _place_static(self, var: Var) -> None:
+        address = var.decl.address
+        if address and "*" not in address:
+            place_direct(var, address, lambda: self.error("E0206", var.decl, address=address))
+        else:
+            var.address = self.project.allocate(var.type.size, max(var.type.align, 4))
+
+    def _constant(self, var: Var) -> None:
+        """Evaluate a CONSTANT, if it is one that a value can stand for."""
+        if var.init is None:
+            self.project.reporter.add("W0202", self.source, var.decl.start, var.decl.start + len(var.name), name=var.name)
+        elif not t.is_aggregate(var.type) or isinstance(var.type, t.String):
+            if not isinstance(var.init.node, s.ArrayInit | s.StructInit):
+                var.const = self.project.evaluate(var, self.source, var.owner, self.library)
+
+    def _var(self, decl: s.VarDecl, section: s.VarSection, pou: Pou | None) -> Var:
+        enum_name = f"{pou.name}.{decl.name}" if pou else decl.name
+        kind = self.type(decl.type, enum_name, pou)
+        q = section.qualifiers
+        var = Var(
+            decl.name, kind, "this", section=section.kind, constant="CONSTANT" in q, retain="RETAIN" in q,
+            persistent="PERSISTENT" in q, owner=pou, decl=decl, source=self.source, library=self.library,
+        )  # fmt: skip
+        var.init = self.initial(decl, pou)
+        if var.constant:
+            var.read_only = "it is a CONSTANT"
+        if isinstance(kind, t.Array) and not kind.bounds and section.kind != "VAR_IN_OUT":
+            self.error("E0207", decl, name=decl.name)
+        if pou is not None and isinstance(decl.type, s.EnumDef):
+            for item, number in kind.values.items():
+                pou.enum_names[key(item)] = EnumValue(kind, number)
+        return var
+
+    # -------------------------------------------------------------------------------------------- POUs
+
+    def pou(self, entry: Pending, bindings: dict[str, t.Type] | None = None) -> Pou:
+        tree: s.Pou = entry.tree
+        pou = Pou(tree.kind, tree.name, tree, self.source, self.library, attributes=tree.attributes)
+        pou.bindings = bindings or {}
+        pou.serial = len(self.project.pous)
+        pou.symbol = f"${tree.name}.{pou.serial}"
+        for action in tree.actions:
+            pou.actions[key(action.name)] = action
+        if tree.kind == "FUNCTION":
+            entry.symbol = pou  # a function may call itself
+            if not tree.generics or bindings is not None:
+                self._variables(pou)
+                if tree.result is not None:
+                    kind = self.type(tree.result, pou=pou)
+                    pou.result = Var(tree.name, kind, "local", section="RESULT", owner=pou, library=self.library)
+        else:
+            pou.type = t.Block(tree.name, tree.kind, file=self.source.path, attributes=tree.attributes)
+            self.project.block_pous[pou.type] = pou
+            self.project.named_types[key(tree.name)] = pou.type
+            self._variables(pou)
+            self._lay_out(pou)
+        self.project.pous.append(pou)
+        return pou
+
+    def _variables(self, pou: Pou) -> None:
+        """Constants first: bounds, and initial values above them in the text, may use them."""
+        sections = sorted(pou.tree.sections, key=lambda x: "CONSTANT" not in x.qualifiers)
+        made: dict[int, Var] = {}
+        for section in sections:
+            for decl in section.decls:
+                self._declare(decl, section, pou, made)
+        order = [made[id(d)] for x in pou.tree.sections for d in x.decls if id(d) in made]
+        pou.variables = {key(v.name): v for v in order}
+        pou.parameters = [v for v in order if v.section in ("VAR_INPUT", "VAR_OUTPUT", "VAR_IN_OUT")]
+
+    def _declare(self, decl: s.VarDecl, section: s.VarSection, pou: Pou, made: dict[int, Var]) -> None:
+        name = key(decl.name)
+        first = pou.variables.get(name)
+        if first is not None:
+            line = self.source.position(first.decl.start)[0]
+            self.project.reporter.add(
+                "E0201", self.source, decl.start, decl.start + len(decl.name), name=decl.name, line=line
+            )
+            return
+        if section.kind == "VAR_EXTERNAL":
+            var = self.project.lookup(decl.name, self.library)
+            if not isinstance(var, Var):
+                self.error("E0208", decl, name=decl.name)
+                return
+            pou.variables[name] = var
+            return
+        var = self._var(decl, section, pou)
+        pou.variables[name] = var
+        made[id(decl)] = var
+        if decl.address and "*" not in decl.address:
+            place_direct(var, decl.address, lambda: self.error("E0206", decl, address=decl.address))
+        elif var.constant and section.kind == "VAR" or section.kind == "VAR_STAT":
+            var.storage = "global"
+            var.address = self.project.allocate(var.type.size, max(var.type.align, 4))
+        elif pou.kind == "FUNCTION" or section.kind == "VAR_TEMP":
+            var.storage = "local"
+        var.indirect = section.kind == "VAR_IN_OUT"
+        if var.constant and not var.indirect:
+            self._constant(var)
+        if var.constant and section.kind == "VAR_INPUT":
+            var.storage = "local" if pou.kind == "FUNCTION" else "this"
+
+    def _lay_out(self, pou: Pou) -> None:
+        """Give each variable its place in an instance."""
+        block = pou.type
+        block.align = 4
+        for var in pou.variables.values():
+            if var.owner is not pou or var.storage == "local":
+                continue
+            size, alignment = (4, 4) if var.indirect else (var.type.size, var.type.align)
+            if var.storage == "this":
+                var.address = align(block.size, alignment)
+                block.size = var.address + size
+                block.align = max(block.align, alignment)
+            section = "VAR_STAT" if var.storage == "global" else var.section
+            field = t.Field(
+                var.name, var.type, var.address, section, var.constant, var.retain, var.persistent, var.decl.attributes
+            )
+            if var.storage == "area":
+                continue
+            block.members[key(var.name)] = field
+            if var.init is not None and var.storage == "this":
+                self.project.field_inits[field] = var.init
+        block.size = align(max(block.size, 4), block.align)
+
+
+DIRECT_SIZES = {"X": 0, "B": 1, "W": 2, "D": 4, "L": 8}
+
+
+def parse_direct(text: str) -> tuple[str, int, int | None, int] | None:
+    """'%QX1.3' -> ('Q', 1, 3, 0); '%MW4' -> ('M', 8, None, 2); None if it is no direct address."""
+    body = text.upper().lstrip("%")
+    if not body or body[0] not in "IQM":
+        return None
+    area, rest = body[0], body[1:]
+    letter = rest[0] if rest and rest[0] in DIRECT_SIZES else "X"
+    numbers = (rest[1:] if rest and rest[0] in DIRECT_SIZES else rest).split(".")
+    if not all(n.isdigit() for n in numbers) or len(numbers) > (2 if letter == "X" else 1):
+        return None
+    first = int(numbers[0])
+    if letter == "X":
+        byte, bit = (first, int(numbers[1])) if len(numbers) == 2 else divmod(first, 8)
+        return (area, byte, bit, 0) if bit < 8 else None
+    size = DIRECT_SIZES[letter]
+    return area, first * size, None, size
+
+
+def place_direct(var: Var, address: str, wrong: Callable[[], None]) -> None:
+    """AT %IX0.0: put the variable into its area."""
+    place = parse_direct(address)
+    if place is None:
+        wrong()
+        place = ("M", 0, None, var.type.size)
+    var.storage = "area"
+    var.area, var.address, var.bit, size = place
+    if var.type is not t.BOOL:
+        var.bit = None

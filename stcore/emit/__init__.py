@@ -1,0 +1,212 @@
+"""The emitter: a checked project to a WebAssembly module in text form, with its first image and its sites."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from stcore import syntax as s
+from stcore import types as t
+from stcore.check.initial import check_init
+from stcore.declare import align
+from stcore.emit.function import FunctionEmitter
+from stcore.emit.image import ImageBuilder, Late, encode_text
+from stcore.emit.values import store, wasm_type
+from stcore.program import NULL_PAGE, TASK_RATIOS, External, Site, TaskSpec
+from stcore.scope import Pou, Var
+from stcore.source import Source
+
+STACK_SIZE = 256 * 1024
+_KERNEL = Path(__file__).parent / "kernel.wat"
+
+
+class ModuleEmitter:
+    """Emits everything that the tasks reach. `emit` gives the text; then image, sites, functions are complete."""
+
+    def __init__(self, project) -> None:
+        self.project = project
+        self.images = ImageBuilder(project)
+        self.sites: list[Site] = []
+        self._site_index: dict[tuple, int] = {}
+        self.functions: list[str] = []
+        self.function_names: list[str] = []
+        self.externals: list[External] = []
+        self.needed: dict[str, tuple[Pou, s.Action | None]] = {}
+        self.queue: list[tuple[str, Pou, s.Action | None]] = []
+        self.texts: dict[tuple[str, bool], int] = {}
+        self.templates: dict[object, int] = {}
+        self.constants = bytearray()  # strings and templates, after the variables
+        self.late: list[tuple[int, Late]] = []  # (address of the instance or variable, value)
+        self.areas = {}
+        for area, used in project.areas.items():
+            self.areas[area] = project.allocate(align(used, 8), 8)
+        self.constants_at = align(project.top, 8)
+
+    # ------------------------------------------------------------------------------- what functions ask
+
+    def need(self, pou: Pou) -> None:
+        """The module calls this POU."""
+        if pou.symbol in self.needed:
+            return
+        self.needed[pou.symbol] = (pou, None)
+        if pou.external:
+            self._import(pou)
+        else:
+            self.queue.append((pou.symbol, pou, None))
+
+    def need_action(self, pou: Pou, action: s.Action) -> str:
+        name = f"{pou.symbol}.{action.name}"
+        if name not in self.needed:
+            self.needed[name] = (pou, action)
+            self.queue.append((name, pou, action))
+        return name
+
+    def _import(self, pou: Pou) -> None:
+        inputs = [(p.name, p.type) for p in pou.inputs()]
+        self.externals.append(External(pou.name, inputs, pou.result.type if pou.result else None))
+
+    def site(self, source: Source, node: s.Node, pou: str, code: str, note: str) -> int:
+        mark = (source.path, node.start, code, note, pou)
+        index = self._site_index.get(mark)
+        if index is None:
+            line, column = source.position(node.start)
+            index = self._site_index[mark] = len(self.sites)
+            self.sites.append(Site(source.path, line, column, pou, code, " ".join(note.split())))
+        return index
+
+    def string(self, text: str, wide: bool) -> int:
+        """The address of a constant string."""
+        if (text, wide) not in self.texts:
+            data = encode_text(text, wide) + (b"\0\0" if wide else b"\0")
+            self.texts[text, wide] = self._constant(data, 2 if wide else 1)
+        return self.texts[text, wide]
+
+    def _constant(self, data: bytes, alignment: int) -> int:
+        self.constants += bytes(-len(self.constants) % alignment)
+        address = self.constants_at + len(self.constants)
+        self.constants += data
+        return address
+
+    def template(self, var: Var) -> int:
+        """The address of the initial bytes of a function's variable; 0 when they are all zero."""
+        mark = var if var.init is not None else var.type
+        if mark not in self.templates:
+            data, _ = self.images.of_variable(var)
+            self.templates[mark] = self._constant(data, 8) if any(data) else 0
+        return self.templates[mark]
+
+    def initial_value(self, var: Var) -> object:
+        """The constant (or else the checked expression) that a variable starts with."""
+        if var.init is not None:
+            node = check_init(self.project, var.init, var.type, var.library)
+            if not isinstance(node, s.ArrayInit | s.StructInit):
+                return node.const if node.const is not None else node
+        data, _ = self.images.of_type(var.type)
+        return int.from_bytes(data, "little") if any(data) else 0
+
+    # ------------------------------------------------------------------------------------------- module
+
+    def emit(self, tasks: list[TaskSpec], hooks: list[Pou]) -> str:
+        """The module's text. tasks name programs of the project; hooks run after the tasks of every scan."""
+        scan = self._scan(tasks, hooks)
+        start = self._initialisation()
+        self._drain()
+        limit = self.image_end = align(self.constants_at + len(self.constants), 16)
+        limit += STACK_SIZE
+        self.limit = limit
+        parts = ["(module", *self._imports(), _KERNEL.read_text(encoding="utf-8")]
+        parts += [
+            f"(global $span i32 (i32.const {limit - NULL_PAGE}))",
+            f"(global $stack i32 (i32.const {self.image_end}))",
+            f"(global (export \"stack_top\") i32 (i32.const {limit}))",
+            scan,
+            start,
+            *self.functions,
+            ")",
+        ]
+        return "\n".join(parts)
+
+    def _imports(self) -> list[str]:
+        lines = []
+        for e in self.externals:
+            params = " ".join(f"(param {wasm_type(k)})" for _, k in e.parameters)
+            result = f"(result {wasm_type(e.result)})" if e.result else ""
+            symbol = next(p.symbol for p, _ in self.needed.values() if p.name == e.name)
+            lines.append(f'(import "host" "{e.name}" (func {symbol} {params} {result}))')
+        return lines
+
+    def _scan(self, tasks: list[TaskSpec], hooks: list[Pou]) -> str:
+        """One scan: each task that is due, then the hooks."""
+        lines = ["(func $scan"]
+        for i, task in enumerate(tasks):
+            calls = []
+            for name in task.programs:
+                pou = self.project.lookup(name)
+                self.need(pou)
+                calls.append(f"(call {pou.symbol})")
+            text = " ".join(calls)
+            if len(tasks) > 1:
+                ratio = f"(i64.extend_i32_u (i32.load (i32.const {TASK_RATIOS + 4 * i})))"
+                due = f"(i64.eqz (i64.rem_u (i64.load (i32.const 24)) {ratio}))"
+                text = f"(if {due} (then {text}))"
+            lines.append(text)
+        for pou in hooks:
+            self.need(pou)
+            lines.append(f"(call {pou.symbol})")
+        return "\n".join([*lines, ")"])
+
+    def _drain(self) -> None:
+        while self.queue:
+            name, pou, action = self.queue.pop()
+            emitter = FunctionEmitter(self, pou, pou.source, pou.address if pou.kind == "PROGRAM" else None)
+            body = pou.tree.body if action is None else action.body
+            self.functions.append(emitter.code(body, name, is_pou=action is None))
+
+    def _initialisation(self) -> str:
+        """$init: the initial values that are not constants, each in the names of its own instance."""
+        for address, kind, var in self.storage():
+            data, late = self.images.of_variable(var) if var is not None else self.images.of_type(kind)
+            self.late += [(address, x) for x in late]
+        lines = []
+        declared = []
+        for base, late in self.late:
+            pou = late.pou
+            emitter = FunctionEmitter(self, pou or _NOWHERE, late.source, base + late.owner)
+            text = emitter.narrow(late.node)
+            target = base + late.offset
+            if t.is_aggregate(late.type):
+                emitter.line(emitter.copy_bytes(late.type, f"(i32.const {target})", text, late.node.type))
+            else:
+                emitter.line(store(late.type, "", target, text))
+            name = f"$init{len(lines)}"
+            self.functions.append(emitter._assemble(name, [], [], [], emitter.lines))
+            lines.append(f"(call {name})")
+        return "\n".join([*declared, '(func (export "init")', *lines, ")"])
+
+    def storage(self):
+        """(address, type, variable or None) of everything that the image holds, constants first."""
+        for var in sorted(self.project.globals, key=lambda v: not v.constant):
+            yield self.address_of(var), var.type, var
+        for pou in self.project.pous:
+            for var in pou.variables.values():
+                if var.owner is pou and var.storage in ("global", "area"):
+                    yield self.address_of(var), var.type, var
+            if pou.address is not None:
+                yield pou.address, pou.type, None
+
+    def address_of(self, var: Var) -> int:
+        return self.areas[var.area] + var.address if var.storage == "area" else var.address
+
+    def image(self) -> bytes:
+        """The first image, from 0 to image_end."""
+        image = bytearray(self.image_end)
+        for address, kind, var in self.storage():
+            data, _ = self.images.of_variable(var) if var is not None else self.images.of_type(kind)
+            if var is not None and var.bit is not None:
+                image[address] |= data[0] << var.bit
+            else:
+                image[address : address + len(data)] = data
+        image[self.constants_at : self.constants_at + len(self.constants)] = self.constants
+        return bytes(image)
+
+
+_NOWHERE = Pou("FUNCTION", "initial value", None, Source(""))

@@ -1,0 +1,178 @@
+"""Instructions of the built-in functions (the checker's half: stcore/check/builtins.py)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from stcore import syntax as s
+from stcore import types as t
+from stcore.check.builtins import BuiltinCall
+from stcore.emit.values import number, wasm_type
+from stcore.program import INTERVAL, NOW, SCAN
+
+
+def _unsigned(kind: t.Type) -> bool:
+    base = t.base_of(kind)
+    return not (isinstance(base, t.Elementary) and (base.signed or base.size < 4))
+
+
+def _abs(e, node: s.Call, call: BuiltinCall) -> str:
+    wasm = wasm_type(call.kind)
+    value = e.value(call.args[0])
+    if wasm[0] == "f":
+        return f"({wasm}.abs {value})"
+    if _unsigned(call.kind):
+        return value
+    temp = e.temp(wasm)
+    return (
+        f"(select (local.tee {temp} {value}) ({wasm}.sub ({wasm}.const 0) (local.get {temp}))"
+        f" ({wasm}.ge_s (local.get {temp}) ({wasm}.const 0)))"
+    )
+
+
+def _pick(e, kind: t.Type, test: str, first: str, second: str) -> str:
+    """first if (first test second) else second; both are evaluated once."""
+    wasm = wasm_type(kind)
+    a, b = e.temp(wasm), e.temp(wasm)
+    sign = "" if wasm[0] == "f" else "_u" if _unsigned(kind) else "_s"
+    return (
+        f"(block (result {wasm}) (local.set {a} {first}) (local.set {b} {second})"
+        f" (select (local.get {a}) (local.get {b}) ({wasm}.{test}{sign} (local.get {a}) (local.get {b}))))"
+    )
+
+
+def _extreme(test: str) -> Callable:
+    def emit(e, node: s.Call, call: BuiltinCall) -> str:
+        text = e.value(call.args[0])
+        for arg in call.args[1:]:
+            text = _pick(e, call.kind, test, text, e.value(arg))
+        return text
+
+    return emit
+
+
+def _limit(e, node: s.Call, call: BuiltinCall) -> str:
+    """LIMIT(MN, IN, MX)"""
+    low, value, high = (e.value(a) for a in call.args)
+    return _pick(e, call.kind, "lt", _pick(e, call.kind, "gt", value, low), high)
+
+
+def _sel(e, node: s.Call, call: BuiltinCall) -> str:
+    selector, off, on = (e.value(a) for a in call.args)
+    wasm = wasm_type(call.kind)
+    a = e.temp(wasm)
+    return f"(block (result {wasm}) (local.set {a} {off}) (select {on} (local.get {a}) {selector}))"
+
+
+def _mux(e, node: s.Call, call: BuiltinCall) -> str:
+    """Nested choices; an index outside takes the nearest input."""
+    wasm = wasm_type(call.kind)
+    k = e.temp("i32")
+    inputs = [e.value(a) for a in call.args[1:]]
+    text = inputs[-1]
+    for i in range(len(inputs) - 2, -1, -1):
+        text = f"(if (result {wasm}) (i32.le_s (local.get {k}) (i32.const {i})) (then {inputs[i]}) (else {text}))"
+    return f"(block (result {wasm}) (local.set {k} {e.value(call.args[0])}) {text})"
+
+
+def _trunc(e, node: s.Call, call: BuiltinCall) -> str:
+    wasm = wasm_type(call.kind)
+    target = t.base_of(node.type)
+    value = e.value(call.args[0])
+    if target.size < 4:
+        low, high = number(target.low, wasm), number(target.high, wasm)
+        value = f"({wasm}.min ({wasm}.max {value} {low}) {high})"
+    return f"({target.wasm}.trunc_sat_{wasm}_s {value})"
+
+
+def _shift(e, node: s.Call, call: BuiltinCall) -> str:
+    """Bits that leave the type are lost; a count of its width or more leaves none."""
+    kind = call.kind
+    wasm, bits = kind.wasm, kind.size * 8
+    value, count = e.narrow(call.args[0]), call.args[1]
+    left = call.name == "SHL"
+    op = "shl" if left else "shr_s" if kind.signed else "shr_u"
+    if isinstance(count.const, int):
+        if not 0 <= count.const < bits:
+            return f"({wasm}.const 0)" if op != "shr_s" else f"({wasm}.shr_s {value} ({wasm}.const {bits - 1}))"
+        text = f"({wasm}.{op} {value} ({wasm}.const {count.const}))"
+    else:
+        n = e.temp("i32")
+        by = f"(local.get {n})" if wasm == "i32" else f"(i64.extend_i32_u (local.get {n}))"
+        beyond = f"({wasm}.const 0)" if op != "shr_s" else f"({wasm}.shr_s {value} ({wasm}.const {bits - 1}))"
+        text = (
+            f"(if (result {wasm}) (i32.ge_u (local.tee {n} {e.value(count)}) (i32.const {bits}))"
+            f" (then {beyond}) (else ({wasm}.{op} {value} {by})))"
+        )
+    return e.wrap(kind, text) if left else text
+
+
+def _rotate(e, node: s.Call, call: BuiltinCall) -> str:
+    kind = call.kind
+    wasm, bits = kind.wasm, kind.size * 8
+    value, count = e.narrow(call.args[0]), e.value(call.args[1])
+    by = count if wasm == "i32" else f"(i64.extend_i32_u {count})"
+    if bits >= 32:
+        return f"({wasm}.rot{'l' if call.name == 'ROL' else 'r'} {value} {by})"
+    raw, n = e.temp("i32"), e.temp("i32")
+    forth, back = ("shl", "shr_u") if call.name == "ROL" else ("shr_u", "shl")
+    mask = (1 << bits) - 1
+    text = (
+        f"(block (result i32) (local.set {raw} (i32.and {value} (i32.const {mask})))"
+        f" (local.set {n} (i32.and {count} (i32.const {bits - 1})))"
+        f" (i32.or (i32.{forth} (local.get {raw}) (local.get {n}))"
+        f" (i32.{back} (local.get {raw}) (i32.sub (i32.const {bits}) (local.get {n})))))"
+    )
+    return e.wrap(kind, text)
+
+
+def _adr(e, node: s.Call, call: BuiltinCall) -> str:
+    arg = call.args[0]
+    if isinstance(arg.const, str):
+        return e.value(arg)
+    return e.address_of(arg)
+
+
+def _memmove(e, node: s.Call, call: BuiltinCall) -> str:
+    to, source, count = (e.value(a) for a in call.args)
+    temp = e.temp("i32")
+    mark = e.marker(node, "F0104")
+    return (
+        f"(block (result i32) {mark} (memory.copy (local.tee {temp} {to}) {source} {count}) (local.get {temp}))"
+    )
+
+
+def _memset(e, node: s.Call, call: BuiltinCall) -> str:
+    to, value, count = (e.value(a) for a in call.args)
+    if wasm_type(call.args[1].type) == "i64":
+        value = f"(i32.wrap_i64 {value})"
+    temp = e.temp("i32")
+    mark = e.marker(node, "F0104")
+    return f"(block (result i32) {mark} (memory.fill (local.tee {temp} {to}) {value} {count}) (local.get {temp}))"
+
+
+def _instruction(name: str) -> Callable:
+    def emit(e, node: s.Call, call: BuiltinCall) -> str:
+        return f"({name} {' '.join(e.value(a) for a in call.args)})"
+
+    return emit
+
+
+def _system(address: int) -> Callable:
+    return lambda e, node, call: f"(i64.load (i32.const {address}))"
+
+
+def _sqrt(e, node: s.Call, call: BuiltinCall) -> str:
+    return f"({wasm_type(call.kind)}.sqrt {e.value(call.args[0])})"
+
+
+EMIT: dict[str, Callable] = {
+    "ABS": _abs, "SQRT": _sqrt, "MIN": _extreme("lt"), "MAX": _extreme("gt"), "LIMIT": _limit, "SEL": _sel, "MUX": _mux,
+    "TRUNC": _trunc, "TRUNC_INT": _trunc, "SHL": _shift, "SHR": _shift, "ROL": _rotate, "ROR": _rotate, "ADR": _adr,
+    "MEMMOVE": _memmove, "MEMSET": _memset, "__FLOOR": _instruction("f64.floor"), "__CEIL": _instruction("f64.ceil"),
+    "__NEAREST": _instruction("f64.nearest"), "__COPYSIGN": _instruction("f64.copysign"),
+    "__BITS": _instruction("i64.reinterpret_f64"), "__LREAL": _instruction("f64.reinterpret_i64"),
+    "__REAL_BITS": _instruction("i32.reinterpret_f32"), "__REAL": _instruction("f32.reinterpret_i32"),
+    "__CLZ": lambda e, node, call: f"(i32.wrap_i64 (i64.clz {e.value(call.args[0])}))",
+    "__NOW_NS": _system(NOW), "__SCAN": _system(SCAN), "__INTERVAL_NS": _system(INTERVAL),
+}  # fmt: skip

@@ -1,0 +1,170 @@
+"""Calls: arguments stored or passed, results and outputs taken."""
+
+from __future__ import annotations
+
+from stcore import syntax as s
+from stcore import types as t
+from stcore.check.calls import BlockCall, FunctionCall
+from stcore.emit.expressions import Expressions
+from stcore.emit.values import address, constant, store, wasm_type
+from stcore.scope import ActionOf, Pou, Var
+
+
+def scalar_outputs(pou: Pou) -> list[Var]:
+    """The outputs of a function that it returns beside its result; the others go through their address."""
+    return [p for p in pou.parameters if p.section == "VAR_OUTPUT" and not t.is_aggregate(p.type)]
+
+
+def aggregate_outputs(pou: Pou) -> list[Var]:
+    return [p for p in pou.parameters if p.section == "VAR_OUTPUT" and t.is_aggregate(p.type)]
+
+
+class Calls(Expressions):
+    """Emits calls."""
+
+    def address_of(self, node: s.Node) -> str:
+        return address(*self.place(node))
+
+    def _default(self, var: Var) -> str:
+        """An input that is not given: its declared initial value."""
+        init = self.module.initial_value(var)
+        if t.is_aggregate(var.type):
+            return f"(i32.const {self.module.template(var)})"
+        return constant(init, var.type)
+
+    def function_call(self, node: s.Call, call: FunctionCall) -> str:
+        """The result of a function; its outputs are stored on the way."""
+        pou = call.pou
+        self.module.need(pou)
+        args = [self._argument(p, v) for p, v in call.values]
+        outputs = dict((p, v) for p, v in call.outputs)
+        args += [self._aggregate_output(p, outputs.get(p)) for p in aggregate_outputs(pou)]
+        result = pou.result.type if pou.result is not None else None
+        prefix = ""
+        if result is not None and t.is_aggregate(result):
+            where = address("(local.get $fp)", self.frame(result.size, result.align))
+            args.append(where)
+        mark = self.marker(node, "F0106") + " " if pou.external else ""
+        text = f"{mark}(call {pou.symbol} {' '.join(args)})"
+        returned = "" if result is None else wasm_type(result)
+        stores = []
+        for p in reversed(scalar_outputs(pou)):
+            if p in outputs:
+                temp = self.temp(wasm_type(p.type))
+                stores.insert(0, (p, outputs[p], temp))
+                prefix += f" (local.set {temp})"
+            else:
+                prefix += " drop"
+        for p, place, temp in stores:
+            prefix += " " + self._store_output(p, place, f"(local.get {temp})")
+        head = f"(block (result {returned})" if returned else "(block"
+        if call.en is not None:
+            return self._enabled(call, result, f"{text}{prefix}")
+        return text if not prefix and not mark else f"{head} {text}{prefix})"
+
+    def _enabled(self, call: FunctionCall, result: t.Type | None, text: str) -> str:
+        """EN FALSE: the function is not called, its result is the initial value."""
+        eno = self._eno(call.eno)
+        if result is None:
+            return f"(if {self.value(call.en)} (then {text} {eno[0]}) (else {eno[1]}))"
+        wasm = wasm_type(result)
+        blank = constant(0, result) if not t.is_aggregate(result) else f"(i32.const {self.module.string('', False)})"
+        return f"(if (result {wasm}) {self.value(call.en)} (then {text} {eno[0]}) (else {eno[1]} {blank}))"
+
+    def _eno(self, place: s.Node | None) -> tuple[str, str]:
+        if place is None:
+            return "", ""
+        return tuple(self.store_text(place, f"(i32.const {x})") for x in (1, 0))
+
+    def _argument(self, parameter: Var, node: s.Node | None) -> str:
+        if parameter.section == "VAR_IN_OUT":
+            if node is None:
+                return "(i32.const 0)"
+            return self.value(node) if isinstance(node.const, str) else self.address_of(node)
+        return self._default(parameter) if node is None else self.narrow(node)
+
+    def _aggregate_output(self, parameter: Var, place: s.Node | None) -> str:
+        if place is not None:
+            return self.address_of(place)
+        return address("(local.get $fp)", self.frame(parameter.type.size, parameter.type.align))
+
+    def _store_output(self, parameter: Var, place: s.Node, value: str) -> str:
+        from stcore.emit import values
+
+        base, goal = t.base_of(parameter.type), t.base_of(place.type)
+        if isinstance(base, t.Elementary) and isinstance(goal, t.Elementary):
+            value = values.convert(base, goal, value)
+        return self.store_text(place, value)
+
+    # -------------------------------------------------------------------------------------------- blocks
+
+    def call_statement(self, node: s.ExprStmt) -> None:
+        expr = node.expr
+        symbol = getattr(expr, "symbol", None)
+        self.mark(node)
+        if isinstance(symbol, BlockCall):
+            self.block_call(expr, symbol)
+        elif isinstance(symbol, ActionOf):
+            self.action_call(symbol)
+        else:
+            text = self.value(expr)
+            self.line(text if expr.type is None else f"(drop {text})")
+
+    def block_call(self, node: s.Call, call: BlockCall) -> None:
+        """Inputs into the instance, its code, outputs out of it."""
+        if call.en is not None:
+            self.line(f"(if {self.value(call.en)} (then")
+        base, offset = self._instance(call)
+        for parameter, value in call.inputs:
+            self._store_input(parameter, value, base, offset)
+        for parameter, place in call.in_outs:
+            text = self._argument(parameter, place)
+            self.line(store(t.DWORD, base, offset + parameter.address, text))
+        self.module.need(call.pou)
+        self.mark(node, note=self.source.text[node.callee.start : node.callee.end])
+        if call.pou.kind == "PROGRAM":
+            self.line(f"(call {call.pou.symbol})")
+        else:
+            self.line(f"(call {call.pou.symbol} {address(base, offset)})")
+        for parameter, place in call.outputs:
+            self._take_output(parameter, place, base, offset)
+        if call.en is not None:
+            eno = self._eno(call.eno)
+            self.line(f"{eno[0]}) (else {eno[1]}))")
+
+    def _instance(self, call: BlockCall) -> tuple[str, int]:
+        """Where the instance is, worked out once."""
+        base, offset = self.place(call.instance)
+        if base in ("", "(local.get $this)", "(local.get $fp)") or base.startswith("(local.get $v"):
+            return base, offset
+        temp = self.keep("i32")
+        self.line(f"(local.set {temp} {base})")
+        return f"(local.get {temp})", offset
+
+    def _store_input(self, parameter: Var, value: s.Node, base: str, offset: int) -> None:
+        offset += parameter.address
+        if t.is_aggregate(parameter.type):
+            self.line(self.copy_text(parameter.type, address(base, offset), value))
+        else:
+            self.line(store(parameter.type, base, offset, self.value(value)))
+
+    def _take_output(self, parameter: Var, place: s.Node, base: str, offset: int) -> None:
+        offset += parameter.address
+        source = s.Name(place.start, place.end, parameter.name)
+        source.type = parameter.type
+        if t.is_aggregate(parameter.type):
+            self.line(self.copy_bytes(place.type, self.address_of(place), address(base, offset), parameter.type))
+        else:
+            from stcore.emit.values import load
+
+            self.line(self._store_output(parameter, place, load(parameter.type, base, offset)))
+
+    def action_call(self, symbol: ActionOf) -> None:
+        """An action runs on the instance of its POU."""
+        name = self.module.need_action(symbol.pou, symbol.action)
+        if symbol.pou.kind == "PROGRAM":
+            self.line(f"(call {name})")
+        elif symbol.base is None:
+            self.line(f"(call {name} {self.this_address()})")
+        else:
+            self.line(f"(call {name} {self.address_of(symbol.base)})")

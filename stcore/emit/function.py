@@ -1,0 +1,267 @@
+"""One function of the module: the code of a POU or an action, with its locals and its stack frame."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from stcore import syntax as s
+from stcore import types as t
+from stcore.emit.calls import aggregate_outputs, scalar_outputs
+from stcore.emit.statements import Statements
+from stcore.emit.values import address, constant, load, store, wasm_type, wrap
+from stcore.program import Site
+from stcore.scope import Pou, Var
+from stcore.source import Source
+
+
+class FunctionEmitter(Statements):
+    """Emits the code of one POU. lines: WebAssembly text, one statement or part of one each.
+
+    static_base: the address of the instance when there is only one (a program), else None: it comes in $this.
+    """
+
+    wrap = staticmethod(wrap)
+
+    def __init__(self, module, pou: Pou, source: Source, static_base: int | None = None) -> None:
+        self.module = module
+        self.pou = pou
+        self.source = source
+        self.static_base = static_base
+        self.lines: list[str] = []
+        self.declared: list[str] = []  # (local ...) declarations
+        self.free: dict[str, list[str]] = {}
+        self.lent: list[tuple[str, str]] = []
+        self.count = 0
+        self.locals_of: dict[Var, str] = {}
+        self.frame_of: dict[Var, int] = {}
+        self.in_out_locals: dict[Var, str] = {}
+        self.frame_size = 0
+        self.loops: list[tuple[str, str]] = []
+        self.jumps: tuple = ()
+        self.ranges: dict[Var, tuple[int, int]] = {}
+        self.shadows: dict[Var, str] = {}
+        self.rounds = 1
+
+    # ------------------------------------------------------------------------------------------- output
+
+    def line(self, text: str) -> None:
+        """A piece of code at statement level; temporaries of the one before are free again."""
+        self.lines.append(text)
+        for wasm, name in self.lent:
+            self.free[wasm].append(name)
+        self.lent.clear()
+
+    def captured(self, action: Callable[[], None]) -> list[str]:
+        """The lines that an action emits, instead of emitting them. Temporaries in use stay in use."""
+        held, self.lent = self.lent, []
+        outer, self.lines = self.lines, []
+        action()
+        made, self.lines = self.lines, outer
+        self.lent = held + self.lent
+        return made
+
+    def label(self, name: str) -> str:
+        self.count += 1
+        return f"${name}{self.count}"
+
+    def _local(self, wasm: str, name: str = "t") -> str:
+        self.count += 1
+        text = f"${name}{self.count}"
+        self.declared.append(f"(local {text} {wasm})")
+        return text
+
+    def temp(self, wasm: str) -> str:
+        """A local for the length of one statement."""
+        pool = self.free.setdefault(wasm, [])
+        name = pool.pop() if pool else self._local(wasm)
+        self.lent.append((wasm, name))
+        return name
+
+    def keep(self, wasm: str) -> str:
+        """A local of its own."""
+        return self._local(wasm, "k")
+
+    def frame(self, size: int, alignment: int) -> int:
+        """Room in the stack frame: its offset."""
+        self.frame_size = (self.frame_size + alignment - 1) // alignment * alignment
+        offset = self.frame_size
+        self.frame_size += size
+        return offset
+
+    def marker(self, node: s.Node, code: str = "", note: str = "") -> str:
+        """A constant that is dropped: no instruction in the end, but a fault behind it finds its place by it."""
+        return f"(drop (i32.const {self.module.site(self.source, node, self.pou.name, code, note)}))"
+
+    def mark(self, node: s.Node, note: str = "") -> None:
+        self.line(self.marker(node, "", note))
+
+    def local_of(self, var: Var) -> str | None:
+        """The WebAssembly local that holds a variable's value here, None if it is in memory."""
+        shadow = self.shadows.get(var)
+        if shadow is not None:
+            return shadow
+        if var.storage == "local" and not var.indirect:
+            return self.locals_of.get(var)
+        return None
+
+    # -------------------------------------------------------------------------------------------- whole
+
+    def code(self, body: list[s.Node], name: str, *, is_pou: bool = True) -> str:
+        """The whole (func ...) of a body."""
+        pou = self.pou
+        params: list[str] = []
+        results: list[str] = []
+        if pou.kind == "FUNCTION":
+            params, results = self._parameters()
+        elif self.static_base is None:
+            params = ["(param $this i32)"]
+        self._own_variables()
+        self._in_outs()
+        prologue, self.lines = self.lines, []
+        self.body(body)
+        main, self.lines = self.lines, []
+        return self._assemble(name, params, results, prologue, main)
+
+    def _assemble(self, name, params, results, prologue, main) -> str:
+        head = f"(func {name} {' '.join(params)} {' '.join(f'(result {r})' for r in results)}"
+        parts = [head, " ".join(self.declared)]
+        if self.frame_size:
+            size = (self.frame_size + 7) // 8 * 8
+            site = self.marker(self.pou.tree, "F0105")
+            parts[1] += " (local $fp i32)"
+            parts.append(
+                f"(if (i32.lt_u (local.tee $fp (i32.sub (global.get $sp) (i32.const {size}))) (global.get $stack))"
+                f" (then {site} (call $fault)))\n(global.set $sp (local.get $fp))"
+            )
+        parts += prologue
+        parts.append("(block $return")
+        parts += main
+        parts.append(")")
+        if self.frame_size:
+            parts.append(f"(global.set $sp (i32.add (local.get $fp) (i32.const {size})))")
+        parts += self._results()
+        parts.append(")")
+        return "\n".join(parts)
+
+    def _name(self, var: Var) -> str:
+        self.count += 1
+        readable = var.name if var.name.isascii() else ""
+        return f"$v{self.count}.{readable}"
+
+    def _parameters(self) -> tuple[list[str], list[str]]:
+        """A function's signature; inputs whose address is taken, and strings, move into the frame."""
+        pou, params, results = self.pou, [], []
+        for p in pou.inputs():
+            name = self._name(p)
+            params.append(f"(param {name} {'i32' if p.indirect else wasm_type(p.type)})")
+            self._take_parameter(p, name)
+        for p in aggregate_outputs(pou):
+            name = self._name(p)
+            params.append(f"(param {name} i32)")
+            p.indirect = True
+            self.locals_of[p] = name
+            self._set_default(p)
+        if pou.result is not None:
+            self._declare_result(params, results)
+        results += [wasm_type(p.type) for p in scalar_outputs(pou)]
+        for p in scalar_outputs(pou):
+            self._local_variable(p)
+        return params, results
+
+    def _take_parameter(self, p: Var, name: str) -> None:
+        if p.indirect:
+            self.locals_of[p] = name
+        elif t.is_aggregate(p.type):
+            if not p.written and not p.addressed and not self.pou.writes_outside:
+                p.indirect = True  # never changed here: the caller's own bytes will do
+                self.locals_of[p] = name
+            else:
+                self.frame_of[p] = offset = self.frame(p.type.size, p.type.align)
+                self.line(self.copy_bytes(p.type, address("(local.get $fp)", offset), f"(local.get {name})", p.type))
+        elif p.addressed:
+            self.frame_of[p] = offset = self.frame(p.type.size, p.type.align)
+            self.line(store(p.type, "(local.get $fp)", offset, f"(local.get {name})"))
+        else:
+            self.locals_of[p] = name
+
+    def _declare_result(self, params: list[str], results: list[str]) -> None:
+        result = self.pou.result
+        if t.is_aggregate(result.type):
+            name = self._name(result)
+            params.append(f"(param {name} i32)")
+            result.indirect = True
+            self.locals_of[result] = name
+            self._set_default(result)
+        else:
+            results.append(wasm_type(result.type))
+            self._local_variable(result)
+
+    def _own_variables(self) -> None:
+        """VAR of a function, VAR_TEMP: fresh at every call."""
+        taken = set(self.pou.parameters) if self.pou.kind == "FUNCTION" else set()
+        for var in self.pou.variables.values():
+            if var.storage == "local" and var not in taken and var.owner is self.pou:
+                self._local_variable(var)
+
+    def _local_variable(self, var: Var) -> None:
+        """Place a variable in a local, or in the frame if its address matters, with its initial value."""
+        if t.is_aggregate(var.type) or var.addressed:
+            self.frame_of[var] = self.frame(var.type.size, var.type.align)
+            self._set_default(var)
+            return
+        name = self._name(var)
+        self.declared.append(f"(local {name} {wasm_type(var.type)})")
+        self.locals_of[var] = name
+        value = self.module.initial_value(var)
+        if isinstance(value, s.Node):
+            self.line(f"(local.set {name} {self.narrow(value)})")
+        elif value:
+            self.line(f"(local.set {name} {constant(value, var.type)})")
+
+    def _set_default(self, var: Var) -> None:
+        """Initial bytes of a variable in memory."""
+        base, offset = self.var_place(var)
+        to = address(base, offset)
+        if not t.is_aggregate(var.type):
+            value = self.module.initial_value(var)
+            text = self.narrow(value) if isinstance(value, s.Node) else constant(value, var.type)
+            self.line(store(var.type, base, offset, text))
+        elif isinstance(var.type, t.String) and var.init is None:
+            self.line(store(t.WORD if var.type.wide else t.BYTE, base, offset, "(i32.const 0)"))
+        else:
+            template = self.module.template(var)
+            if template == 0:
+                self.line(f"(memory.fill {to} (i32.const 0) (i32.const {var.type.size}))")
+            else:
+                self.line(f"(memory.copy {to} (i32.const {template}) (i32.const {var.type.size}))")
+
+    def _in_outs(self) -> None:
+        """The addresses of a block's in-outs, taken once; not connected is a fault at once."""
+        if self.pou.kind == "FUNCTION":
+            return
+        for var in self.pou.parameters:
+            if var.section != "VAR_IN_OUT":
+                continue
+            base, offset = self.this_place()
+            name = self._local("i32", "io")
+            pointer = load(t.DWORD, base, offset + var.address)
+            mark = self.marker(var.decl, "F0103", var.name)
+            self.line(
+                f"(if (i32.lt_u (local.tee {name} {pointer}) (i32.const 1024))"
+                f" (then {mark} (call $fault_pointer (local.get {name})) unreachable))"
+            )
+            self.in_out_locals[var] = name
+
+    def _results(self) -> list[str]:
+        pou = self.pou
+        if pou.kind != "FUNCTION":
+            return []
+        returned = [pou.result] if pou.result is not None and not t.is_aggregate(pou.result.type) else []
+        lines = []
+        for var in [*returned, *scalar_outputs(pou)]:
+            local = self.locals_of.get(var)
+            if local is None or var in self.frame_of:
+                lines.append(load(var.type, *self.var_place(var)))
+            else:
+                lines.append(f"(local.get {local})")
+        return lines

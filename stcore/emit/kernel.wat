@@ -1,0 +1,148 @@
+;; The part of every module that does not depend on the program: the scan loop, forces, traces, strings, faults.
+;; Addresses of the system area are those of stcore/program.py.
+
+(memory (export "memory") 1)
+(table (export "hooks") 1 funcref)
+(type $condition (func (result i32)))
+(global $sp (export "sp") (mut i32) (i32.const 0))
+
+;; --- faults: the values go to the system area, the marker in front of the call tells the place
+
+(func $fault_index (param $i i32) (param $low i32) (param $high i32)
+  (i64.store (i32.const 48) (i64.extend_i32_s (local.get $i)))
+  (i64.store (i32.const 56) (i64.extend_i32_s (local.get $low)))
+  (i64.store (i32.const 64) (i64.extend_i32_s (local.get $high)))
+  unreachable)
+
+(func $fault_pointer (param $p i32)
+  (i64.store (i32.const 48) (i64.extend_i32_u (local.get $p)))
+  unreachable)
+
+(func $fault unreachable)
+
+;; --- integer arithmetic where the instruction would trap on -2147483648 / -1
+
+(func $div_i32 (param $a i32) (param $b i32) (result i32)
+  (if (i32.eq (local.get $b) (i32.const -1)) (then (return (i32.sub (i32.const 0) (local.get $a)))))
+  (i32.div_s (local.get $a) (local.get $b)))
+
+(func $div_i64 (param $a i64) (param $b i64) (result i64)
+  (if (i64.eq (local.get $b) (i64.const -1)) (then (return (i64.sub (i64.const 0) (local.get $a)))))
+  (i64.div_s (local.get $a) (local.get $b)))
+
+;; nearest integer, half away from zero: REAL_TO_INT(2.5) = 3, (-2.5) = -3
+(func $round (param $x f64) (result f64) (local $whole f64)
+  (local.set $whole (f64.trunc (local.get $x)))
+  (if (f64.ge (f64.abs (f64.sub (local.get $x) (local.get $whole))) (f64.const 0.5))
+    (then (local.set $whole (f64.add (local.get $whole) (f64.copysign (f64.const 1) (local.get $x))))))
+  (local.get $whole))
+
+;; --- strings: bytes (STRING) or 16-bit units (WSTRING) up to a zero
+
+(func $str_copy (param $to i32) (param $from i32) (param $room i32) (local $c i32)
+  (block $end
+    (loop $next
+      (br_if $end (i32.eqz (local.get $room)))
+      (local.set $c (i32.load8_u (local.get $from)))
+      (br_if $end (i32.eqz (local.get $c)))
+      (i32.store8 (local.get $to) (local.get $c))
+      (local.set $to (i32.add (local.get $to) (i32.const 1)))
+      (local.set $from (i32.add (local.get $from) (i32.const 1)))
+      (local.set $room (i32.sub (local.get $room) (i32.const 1)))
+      (br $next)))
+  (i32.store8 (local.get $to) (i32.const 0)))
+
+(func $wstr_copy (param $to i32) (param $from i32) (param $room i32) (local $c i32)
+  (block $end
+    (loop $next
+      (br_if $end (i32.eqz (local.get $room)))
+      (local.set $c (i32.load16_u (local.get $from)))
+      (br_if $end (i32.eqz (local.get $c)))
+      (i32.store16 (local.get $to) (local.get $c))
+      (local.set $to (i32.add (local.get $to) (i32.const 2)))
+      (local.set $from (i32.add (local.get $from) (i32.const 2)))
+      (local.set $room (i32.sub (local.get $room) (i32.const 1)))
+      (br $next)))
+  (i32.store16 (local.get $to) (i32.const 0)))
+
+;; -1, 0, 1
+(func $str_cmp (param $a i32) (param $b i32) (result i32) (local $x i32) (local $y i32)
+  (loop $next
+    (local.set $x (i32.load8_u (local.get $a)))
+    (local.set $y (i32.load8_u (local.get $b)))
+    (if (i32.ne (local.get $x) (local.get $y))
+      (then (return (select (i32.const -1) (i32.const 1) (i32.lt_u (local.get $x) (local.get $y))))))
+    (if (i32.eqz (local.get $x)) (then (return (i32.const 0))))
+    (local.set $a (i32.add (local.get $a) (i32.const 1)))
+    (local.set $b (i32.add (local.get $b) (i32.const 1)))
+    (br $next))
+  unreachable)
+
+(func $wstr_cmp (param $a i32) (param $b i32) (result i32) (local $x i32) (local $y i32)
+  (loop $next
+    (local.set $x (i32.load16_u (local.get $a)))
+    (local.set $y (i32.load16_u (local.get $b)))
+    (if (i32.ne (local.get $x) (local.get $y))
+      (then (return (select (i32.const -1) (i32.const 1) (i32.lt_u (local.get $x) (local.get $y))))))
+    (if (i32.eqz (local.get $x)) (then (return (i32.const 0))))
+    (local.set $a (i32.add (local.get $a) (i32.const 2)))
+    (local.set $b (i32.add (local.get $b) (i32.const 2)))
+    (br $next))
+  unreachable)
+
+;; --- forced variables: (address, size, 8 bytes value) each
+
+(func $apply_forces (local $at i32) (local $left i32)
+  (local.set $left (i32.load (i32.const 76)))
+  (local.set $at (i32.load (i32.const 72)))
+  (loop $next
+    (if (local.get $left)
+      (then
+        (memory.copy (i32.load (local.get $at)) (i32.add (local.get $at) (i32.const 8)) (i32.load offset=4 (local.get $at)))
+        (local.set $at (i32.add (local.get $at) (i32.const 16)))
+        (local.set $left (i32.sub (local.get $left) (i32.const 1)))
+        (br $next)))))
+
+;; --- one row of the trace: the traced variables one after another
+
+(func $trace_row (local $at i32) (local $left i32) (local $to i32) (local $from i32) (local $size i32)
+  (local.set $left (i32.load (i32.const 84)))
+  (local.set $at (i32.load (i32.const 80)))
+  (local.set $to (i32.load (i32.const 88)))
+  (if (i32.ge_u (local.get $to) (i32.load (i32.const 92))) (then (return)))
+  (loop $next
+    (if (local.get $left)
+      (then
+        (local.set $from (i32.load (local.get $at)))
+        (local.set $size (i32.load offset=4 (local.get $at)))
+        (if (i32.eq (local.get $size) (i32.const 8))
+          (then (i64.store (local.get $to) (i64.load (local.get $from))))
+          (else (if (i32.eq (local.get $size) (i32.const 4))
+            (then (i32.store (local.get $to) (i32.load (local.get $from))))
+            (else (if (i32.eq (local.get $size) (i32.const 1))
+              (then (i32.store8 (local.get $to) (i32.load8_u (local.get $from))))
+              (else (memory.copy (local.get $to) (local.get $from) (local.get $size))))))))
+        (local.set $to (i32.add (local.get $to) (local.get $size)))
+        (local.set $at (i32.add (local.get $at) (i32.const 8)))
+        (local.set $left (i32.sub (local.get $left) (i32.const 1)))
+        (br $next))))
+  (i32.store (i32.const 88) (local.get $to)))
+
+;; --- the scan loop: n scans in one call; fewer when the until-condition holds or the host interrupts
+
+(func $run (export "run") (param $n i64) (result i64) (local $done i64)
+  (loop $next
+    (if (i64.lt_s (local.get $done) (local.get $n))
+      (then
+        (if (i32.atomic.load (i32.const 40)) (then (return (local.get $done))))
+        (if (i32.load (i32.const 76)) (then (call $apply_forces)))
+        (call $scan)
+        (if (i32.load (i32.const 76)) (then (call $apply_forces)))
+        (if (i32.load (i32.const 84)) (then (call $trace_row)))
+        (i64.store (i32.const 16) (i64.add (i64.load (i32.const 16)) (i64.load (i32.const 32))))
+        (i64.store (i32.const 24) (i64.add (i64.load (i32.const 24)) (i64.const 1)))
+        (local.set $done (i64.add (local.get $done) (i64.const 1)))
+        (if (i32.load (i32.const 96))
+          (then (if (call_indirect (type $condition) (i32.const 0)) (then (return (local.get $done))))))
+        (br $next))))
+  (local.get $done))

@@ -1,0 +1,111 @@
+"""Where variables live: base address and constant offset of every place that an expression can name."""
+
+from __future__ import annotations
+
+from stcore import syntax as s
+from stcore import types as t
+from stcore.emit.values import address, load
+from stcore.scope import Convert, Pou, Var
+
+FRAME = "(local.get $fp)"
+
+
+class Places:
+    """Addresses of places. `place` gives (base, offset): base '' when the address is a constant."""
+
+    def place(self, node: s.Node) -> tuple[str, int]:
+        match node:
+            case s.Name() | s.Address():
+                if isinstance(node.symbol, Pou):
+                    return "", node.symbol.address
+                return self.var_place(node.symbol)
+            case s.Member():
+                return self._member(node)
+            case s.Index():
+                return self._index(node)
+            case s.Deref():
+                if node.base.symbol == "this":
+                    return self.this_place()
+                return self.deref_check(node.base), 0
+            case s.Part():
+                return self.place(node.base)
+            case Convert():
+                return self.place(node.operand)
+        return self.value(node), 0  # a result: its address
+
+    def this_place(self) -> tuple[str, int]:
+        """The instance whose code this is."""
+        if self.static_base is not None:
+            return "", self.static_base
+        return "(local.get $this)", 0
+
+    def this_address(self) -> str:
+        return address(*self.this_place())
+
+    def var_place(self, var: Var) -> tuple[str, int]:
+        """A variable in memory."""
+        if var.storage == "global":
+            base, offset = "", var.address
+        elif var.storage == "area":
+            return "", self.module.areas[var.area] + var.address
+        elif var.storage == "this":
+            base, offset = self.this_place()
+            offset += var.address
+        elif var.indirect:
+            return f"(local.get {self.locals_of[var]})", 0
+        else:
+            base, offset = FRAME, self.frame_of[var]
+        if var.indirect:
+            pointer = self.in_out_locals.get(var)
+            return (f"(local.get {pointer})" if pointer else load(t.DWORD, base, offset)), 0
+        return base, offset
+
+    def _member(self, node: s.Member) -> tuple[str, int]:
+        field = node.symbol
+        if isinstance(field, Var):
+            return self.var_place(field)
+        if field.section == "VAR_STAT":
+            return "", field.offset
+        base, offset = self.place(node.base)
+        offset += field.offset
+        if field.by_reference:
+            return load(t.DWORD, base, offset), 0
+        return base, offset
+
+    def _index(self, node: s.Index) -> tuple[str, int]:
+        kind = node.base.type
+        if isinstance(kind, t.Pointer):
+            return self._pointer_index(node)
+        if isinstance(kind, t.String):
+            return self._character(node, kind)
+        base, offset = self.place(node.base)
+        text, fixed = self.offset_of(node, kind)
+        offset += fixed
+        if text:
+            if offset < 0:  # a load's own offset can't be negative
+                text, offset = f"(i32.add {text} (i32.const {offset}))", 0
+            base = f"(i32.add {base} {text})" if base else text
+        return base, offset
+
+    def _scaled(self, index: s.Node, size: int) -> str:
+        text = self.value(index)
+        return text if size == 1 else f"(i32.mul {text} (i32.const {size}))"
+
+    def _pointer_index(self, node: s.Index) -> tuple[str, int]:
+        """p[i]: the i-th element from where p points to (CODESYS)."""
+        index = node.indices[0]
+        text = f"(i32.add {self.value(node.base)} {self._scaled(index, node.type.size)})"
+        return self.checked_address(text, node), 0
+
+    def _character(self, node: s.Index, kind: t.String) -> tuple[str, int]:
+        """s[i], from 0; the closing zero may be read."""
+        base, offset = self.place(node.base)
+        index = node.indices[0]
+        unit = 2 if kind.wide else 1
+        generic = isinstance(node.base.symbol, Var) and node.base.symbol.indirect
+        if isinstance(index.const, int):
+            return base, offset + index.const * unit
+        text = self.value(index) if generic else self._checked_index(index, 0, kind.length)
+        if unit == 2:
+            text = f"(i32.shl {text} (i32.const 1))"
+        return (f"(i32.add {base} {text})" if base else text), offset

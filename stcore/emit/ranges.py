@@ -1,0 +1,108 @@
+"""What values an integer expression can have: array accesses that can't go wrong need no check."""
+
+from __future__ import annotations
+
+from stcore import syntax as s
+from stcore import types as t
+from stcore.check.builtins import BuiltinCall
+from stcore.check.calls import BlockCall, FunctionCall
+from stcore.scope import ActionOf, Convert, Var
+
+Range = tuple[int, int]
+
+
+def range_of(node: s.Node, known: dict[Var, Range]) -> Range:
+    """Lowest and highest value. known: the ranges of variables that hold at this place."""
+    if isinstance(node.const, int):
+        return int(node.const), int(node.const)
+    match node:
+        case s.Name() if node.symbol in known:
+            return known[node.symbol]
+        case Convert() if isinstance(t.base_of(node.operand.type), t.Elementary):
+            inner = range_of(node.operand, known)
+            low, high = _of_type(node.type)
+            return inner if low <= inner[0] and inner[1] <= high else (low, high)
+        case s.Binary() if node.op in ("+", "-", "*", "MOD", "/"):
+            found = _binary(node, known)
+            low, high = _of_type(node.type)
+            if t.base_of(node.type).size < 4:
+                low, high = _of_type(t.DINT)
+            return found if found and low <= found[0] and found[1] <= high else (low, high)
+        case s.Binary() if node.op == "AND":
+            highest = [r[1] for r in (range_of(node.left, known), range_of(node.right, known)) if r[0] >= 0]
+            if highest:
+                return 0, min(highest)
+    return _of_type(node.type)
+
+
+def _of_type(kind: t.Type) -> Range:
+    base = t.base_of(kind)
+    return (base.low, base.high) if isinstance(base, t.Elementary) else (0, t.UDINT.high)
+
+
+def _binary(node: s.Binary, known: dict[Var, Range]) -> Range | None:
+    (a, b), (c, d) = range_of(node.left, known), range_of(node.right, known)
+    match node.op:
+        case "+":
+            return a + c, b + d
+        case "-":
+            return a - d, b - c
+        case "*":
+            ends = (a * c, a * d, b * c, b * d)
+            return min(ends), max(ends)
+        case "MOD" if c == d and c > 0:
+            return (0 if a >= 0 else 1 - c), (c - 1 if b >= 0 else 0)
+        case "/" if c == d and c > 0:
+            return (a // c if a >= 0 else -(-a // c)), (b // c if b >= 0 else -(-b // c))
+    return None
+
+
+def walk(node: object):
+    """Every node below (and with) this one."""
+    if isinstance(node, s.Node):
+        yield node
+        symbol = getattr(node, "symbol", None)
+        if isinstance(symbol, BuiltinCall):
+            yield from walk(symbol.args)
+            return
+        if isinstance(symbol, FunctionCall):
+            yield from walk([v for _, v in symbol.values])
+            yield from walk([v for _, v in symbol.outputs])
+            return
+        if isinstance(symbol, BlockCall):
+            yield from walk([v for _, v in (*symbol.inputs, *symbol.in_outs, *symbol.outputs)])
+            yield from walk(symbol.instance)
+            return
+        for name in node.fields:
+            yield from walk(getattr(node, name))
+    elif isinstance(node, list | tuple):
+        for item in node:
+            yield from walk(item)
+
+
+def steady(var: Var, body: list[s.Node]) -> bool:
+    """True if nothing in the body can change the variable behind the loop's back."""
+    if var.addressed or var.indirect or var.storage == "area":
+        return False
+    for node in walk(body):
+        match node:
+            case s.Assign() if isinstance(node.target, s.Name | s.Part):
+                target = node.target
+                while isinstance(target, s.Part):
+                    target = target.base
+                if target.symbol is var:
+                    return False
+            case s.For() if node.var.symbol is var:
+                return False
+            case s.Call():
+                if _may_write(node.symbol, var):
+                    return False
+    return True
+
+
+def _may_write(call: object, var: Var) -> bool:
+    if isinstance(call, FunctionCall | BlockCall):
+        if any(getattr(place, "symbol", None) is var for _, place in call.outputs):
+            return True
+        return var.storage != "local" and not call.pou.library
+    return isinstance(call, ActionOf) and var.storage != "local"

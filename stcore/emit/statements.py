@@ -1,0 +1,321 @@
+"""Statements to WebAssembly text."""
+
+from __future__ import annotations
+
+from stcore import syntax as s
+from stcore import types as t
+from stcore.emit.calls import Calls
+from stcore.emit.expressions import wide
+from stcore.emit.ranges import range_of, steady
+from stcore.emit.values import address, constant, convert, load, number, store, wasm_type, wrap
+from stcore.program import INTERRUPT
+from stcore.scope import Var, key
+
+# A loop that is known to end after so many rounds need not ask whether the host wants it to stop.
+QUICK = 100_000
+
+
+class Statements(Calls):
+    """Emits statements, one or more lines each."""
+
+    def body(self, statements: list[s.Node]) -> None:
+        if any(isinstance(n, s.Label) for n in statements):
+            self._labelled(statements)
+            return
+        for node in statements:
+            self.statement(node)
+
+    def statement(self, node: s.Node) -> None:
+        self.STATEMENTS[type(node)](self, node)
+
+    # ---------------------------------------------------------------------------------------- assignment
+
+    def assign(self, node: s.Assign) -> None:
+        target = node.target
+        if target.type is t.ERROR:
+            return
+        self.mark(node)
+        if node.op in ("S=", "R="):
+            bit = "(i32.const 1)" if node.op == "S=" else "(i32.const 0)"
+            self.line(f"(if {self.value(node.value)} (then {self.store_text(target, bit)}))")
+        elif node.op == "REF=":
+            value = self.value(node.value) if node.value.type is t.DWORD else self.address_of(node.value)
+            self.line(self.store_text(target, value))
+        elif t.is_aggregate(target.type):
+            self.line(self.copy_text(target.type, self.address_of(target), node.value))
+        else:
+            local = self.local_of(target.symbol) if isinstance(target.symbol, Var) else None
+            value = self.narrow(node.value) if local else self.value(node.value)
+            if wide(node.value) and local and t.base_of(node.value.type) is not t.base_of(target.type):
+                value = wrap(target.type, value)
+            self.line(self.store_text(target, value))
+
+    def store_text(self, place: s.Node, value: str) -> str:
+        """Store an elementary value at a place."""
+        if isinstance(place, s.Part):
+            return self._store_part(place, value)
+        symbol = place.symbol
+        if isinstance(symbol, Var):
+            local = self.local_of(symbol)
+            if local is not None:
+                return f"(local.set {local} {value})"
+        base, offset = self.place(place)
+        if isinstance(symbol, Var) and symbol.bit is not None:
+            byte = load(t.BYTE, base, offset)
+            return store(t.BYTE, base, offset, self._with_bits("i32", byte, value, symbol.bit, 1))
+        return store(place.type, base, offset, value)
+
+    def _store_part(self, place: s.Part, value: str) -> str:
+        """Bits into the variable they are part of."""
+        kind = t.base_of(place.base.type)
+        width = {"X": 1, "B": 8, "W": 16, "D": 32}[place.size]
+        if kind.wasm == "i64":
+            value = f"(i64.extend_i32_u {value})"
+        whole = self._with_bits(kind.wasm, self.value(place.base), value, place.index * width, width)
+        return self.store_text(place.base, wrap(kind, whole))
+
+    @staticmethod
+    def _with_bits(wasm: str, whole: str, value: str, shift: int, width: int) -> str:
+        mask = (1 << width) - 1
+        keep = number(~(mask << shift), wasm)
+        if width < 32:
+            value = f"({wasm}.and {value} {number(mask, wasm)})"
+        return f"({wasm}.or ({wasm}.and {whole} {keep}) ({wasm}.shl {value} {number(shift, wasm)}))"
+
+    def copy_text(self, kind: t.Type, to: str, value: s.Node) -> str:
+        """Copy an aggregate value to an address."""
+        return self.copy_bytes(kind, to, self.value(value), value.type)
+
+    def copy_bytes(self, kind: t.Type, to: str, source: str, source_kind: t.Type) -> str:
+        if isinstance(kind, t.String):
+            call = "$wstr_copy" if kind.wide else "$str_copy"
+            return f"(call {call} {to} {source} (i32.const {kind.length}))"
+        return f"(memory.copy {to} {source} (i32.const {kind.size}))"
+
+    # ---------------------------------------------------------------------------------------- selection
+
+    def if_(self, node: s.If) -> None:
+        for i, (condition, body) in enumerate(node.branches):
+            self.mark(node if i == 0 else condition)
+            self.line(f"(if {self.value(condition)} (then")
+            self.body(body)
+            self.line(") (else")
+        if node.orelse is not None:
+            self.body(node.orelse)
+        self.line("))" * len(node.branches))
+
+    def case(self, node: s.Case) -> None:
+        self.mark(node)
+        wasm = wasm_type(node.selector.type)
+        selector = self.keep(wasm)
+        self.line(f"(local.set {selector} {self.narrow(node.selector)})")
+        end, other = self.label("end"), self.label("else")
+        names = [self.label("case") for _ in node.branches]
+        self.line(f"(block {end} (block {other}")
+        for name in reversed(names):
+            self.line(f"(block {name}")
+        self._dispatch(node, selector, wasm, names, other)
+        for name, (_, body) in zip(names, node.branches, strict=True):
+            self.line(f") ;; {name}")
+            self.body(body)
+            self.line(f"(br {end})")
+        self.line(")")
+        if node.orelse is not None:
+            self.body(node.orelse)
+        self.line(")")
+
+    def _dispatch(self, node: s.Case, selector: str, wasm: str, names: list[str], other: str) -> None:
+        """To the branch of the selector: by a table when the labels lie close together."""
+        single = [
+            (label.const, name)
+            for (labels, _), name in zip(node.branches, names, strict=True)
+            for label in labels
+            if not isinstance(label, s.Range)
+        ]
+        values = [int(v) for v, _ in single if v is not None]
+        simple = len(single) == sum(len(labels) for labels, _ in node.branches) and len(values) == len(single)
+        if simple and wasm == "i32" and len(values) >= 4 and max(values) - min(values) < 4 * len(values) + 16:
+            low = min(values)
+            table = [other] * (max(values) - low + 1)
+            for value, name in reversed(single):
+                table[int(value) - low] = name
+            self.line(f"(br_table {' '.join(table)} {other} (i32.sub (local.get {selector}) (i32.const {low})))")
+            return
+        for (labels, _), name in zip(node.branches, names, strict=True):
+            for label in labels:
+                self.line(f"(br_if {name} {self._matches(label, selector, wasm, node.selector.type)})")
+        self.line(f"(br {other})")
+
+    @staticmethod
+    def _matches(label: s.Node, selector: str, wasm: str, kind: t.Type) -> str:
+        here = f"(local.get {selector})"
+        if isinstance(label, s.Range):
+            base = t.base_of(kind)
+            sign = "s" if base.signed or base.size < 4 else "u"
+            low, high = constant(label.low.const, base), constant(label.high.const, base)
+            return f"(i32.and ({wasm}.ge_{sign} {here} {low}) ({wasm}.le_{sign} {here} {high}))"
+        return f"({wasm}.eq {here} {constant(label.const, kind)})"
+
+    # -------------------------------------------------------------------------------------------- loops
+
+    def _ask_interrupt(self, node: s.Node) -> None:
+        """The host may end this loop here."""
+        self.line(f"(if (i32.atomic.load (i32.const {INTERRUPT})) (then {self.marker(node, 'F0108')} (call $fault)))")
+
+    def _loop_body(self, body: list[s.Node], exit_label: str, next_label: str) -> None:
+        self.loops.append((exit_label, next_label))
+        self.line(f"(block {next_label}")
+        self.body(body)
+        self.line(")")
+        self.loops.pop()
+
+    def while_(self, node: s.While) -> None:
+        end, top, next_ = self.label("end"), self.label("loop"), self.label("next")
+        self.line(f"(block {end} (loop {top}")
+        self.mark(node)
+        self._ask_interrupt(node)
+        self.line(f"(br_if {end} (i32.eqz {self.value(node.condition)}))")
+        self._loop_body(node.body, end, next_)
+        self.line(f"(br {top})))")
+
+    def repeat(self, node: s.Repeat) -> None:
+        end, top, next_ = self.label("end"), self.label("loop"), self.label("next")
+        self.line(f"(block {end} (loop {top}")
+        self.mark(node)
+        self._ask_interrupt(node)
+        self._loop_body(node.body, end, next_)
+        self.mark(node.condition)
+        self.line(f"(br_if {top} (i32.eqz {self.value(node.condition)}))))")
+
+    def for_(self, node: s.For) -> None:
+        """End and step are taken once; the counter goes one step past the end (reference/semantics.md).
+
+        The counter is kept in a wider local, so that a loop to the last value of the type ends.
+        """
+        self.mark(node)
+        kind = t.base_of(node.var.type)
+        if kind is t.ERROR:
+            return
+        var = node.var.symbol if isinstance(node.var, s.Name) and isinstance(node.var.symbol, Var) else None
+        last = range_of(node.last, self.ranges)
+        step = node.step.const if node.step is not None else 1
+        roomy = kind.size < 4 or kind.size == 4 and step is not None and _fits(last, step, kind)
+        wasm = "i32" if roomy else "i64"
+        counter, limit = self.keep(wasm), None
+        if node.last.const is None:
+            limit = self.keep(wasm)
+            self.line(f"(local.set {limit} {self._as(node.last, wasm)})")
+        end_value = f"(local.get {limit})" if limit else number(node.last.const, wasm)
+        step_value = number(step, wasm) if step is not None else f"(local.get {self._step(node, wasm)})"
+        self.line(f"(local.set {counter} {self._as(node.first, wasm)})")
+        stored = f"(local.get {counter})" if wasm == kind.wasm else f"(i32.wrap_i64 (local.get {counter}))"
+        stored = wrap(kind, stored) if var is not None and self.local_of(var) else stored
+        self.line(self.store_text(node.var, stored))
+        going_on = self._going_on(wasm, counter, end_value, step, step_value)
+        first = range_of(node.first, self.ranges)
+        rounds = (max(last[1] - first[0], first[1] - last[0]) // abs(step) + 1) if step else QUICK + 1
+        self._for_loop(node, var, (counter, wasm, kind), going_on, step_value, stored, first, last, step, rounds)
+
+    def _for_loop(self, node, var, held, going_on, step_value, stored, first, last, step, rounds) -> None:
+        counter, wasm, kind = held
+        end, top, next_ = self.label("end"), self.label("loop"), self.label("next")
+        self.line(f"(block {end} (br_if {end} (i32.eqz {going_on}))")
+        self.line(f"(loop {top}")
+        trusted = var is not None and step is not None and steady(var, node.body)
+        outer = self.rounds
+        self.rounds *= max(rounds, 1)
+        if self.rounds > QUICK or not trusted:
+            self._ask_interrupt(node)
+        saved, shadow = self.ranges, self.shadows
+        if trusted and kind.size <= 4:
+            bounds = (first[0], max(last[1], first[0])) if step > 0 else (min(last[0], first[1]), first[1])
+            self.ranges = saved | {var: bounds}
+            if wasm == kind.wasm:
+                self.shadows = shadow | {var: counter}
+        self._loop_body(node.body, end, next_)
+        self.ranges, self.shadows, self.rounds = saved, shadow, outer
+        now = f"(local.get {counter})" if trusted else self._as(node.var, wasm)
+        self.line(f"(local.set {counter} ({wasm}.add {now} {step_value}))")
+        self.line(self.store_text(node.var, stored))
+        self.line(f"(br_if {top} {going_on})))")
+
+    def _step(self, node: s.For, wasm: str) -> str:
+        held = self.keep(wasm)
+        self.line(f"(local.set {held} {self._as(node.step, wasm)})")
+        return held
+
+    @staticmethod
+    def _going_on(wasm: str, counter: str, end_value: str, step: int | None, step_value: str) -> str:
+        here = f"(local.get {counter})"
+        up, down = f"({wasm}.le_s {here} {end_value})", f"({wasm}.ge_s {here} {end_value})"
+        if step is not None:
+            return up if step > 0 else down
+        return f"(select {up} {down} ({wasm}.ge_s {step_value} {number(0, wasm)}))"
+
+    def _as(self, node: s.Node, wasm: str) -> str:
+        """An integer in the width of the loop's counter."""
+        if node.const is not None:
+            return number(node.const, wasm)
+        base = t.base_of(node.type)
+        text = self.narrow(node)
+        return convert(base, t.LINT, text) if wasm == "i64" else text
+
+    def exit(self, node: s.Exit) -> None:
+        self.mark(node)
+        self.line(f"(br {self.loops[-1][0]})")
+
+    def continue_(self, node: s.Continue) -> None:
+        self.mark(node)
+        self.line(f"(br {self.loops[-1][1]})")
+
+    def return_(self, node: s.Return) -> None:
+        self.mark(node)
+        self.line("(br $return)")
+
+    # -------------------------------------------------------------------------------------------- jumps
+
+    def _labelled(self, statements: list[s.Node]) -> None:
+        """Labels cut the list into pieces; JMP picks the next piece and goes round."""
+        pieces: list[list[s.Node]] = [[]]
+        places: dict[str, int] = {}
+        for node in statements:
+            if isinstance(node, s.Label):
+                places[key(node.name)] = len(pieces)
+                pieces.append([])
+            else:
+                pieces[-1].append(node)
+        next_piece, again = self.keep("i32"), self.label("again")
+        outer, self.jumps = self.jumps, (next_piece, again, places)
+        names = [self.label("piece") for _ in pieces]
+        self.line(f"(local.set {next_piece} (i32.const 0)) (loop {again}")
+        self._ask_interrupt(statements[0])
+        for name in reversed(names):
+            self.line(f"(block {name}")
+        self.line(f"(br_table {' '.join(names)} (local.get {next_piece}))")
+        for piece in pieces:
+            self.line(")")
+            for node in piece:
+                self.statement(node)
+        self.line(")")
+        self.jumps = outer
+
+    def jump(self, node: s.Jump) -> None:
+        self.mark(node)
+        next_piece, again, places = self.jumps
+        self.line(f"(local.set {next_piece} (i32.const {places[key(node.name)]})) (br {again})")
+
+    def nothing(self, node: s.Node) -> None:
+        pass
+
+    STATEMENTS = {
+        s.Assign: assign, s.ExprStmt: Calls.call_statement, s.If: if_, s.Case: case, s.For: for_, s.While: while_,
+        s.Repeat: repeat, s.Exit: exit, s.Continue: continue_, s.Return: return_, s.Label: nothing, s.Jump: jump,
+    }  # fmt: skip
+
+    def in_text(self, var: Var) -> str:
+        return address(*self.var_place(var))
+
+
+def _fits(last: tuple[int, int], step: int, kind: t.Elementary) -> bool:
+    """True if one step past any end value is still a DINT."""
+    return kind.signed and t.DINT.low <= last[0] + min(step, 0) and last[1] + max(step, 0) <= t.DINT.high

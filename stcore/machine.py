@@ -1,0 +1,205 @@
+"""The machine: a compiled program in wasmtime. The only file that knows wasmtime."""
+
+from __future__ import annotations
+
+import ctypes
+import struct
+from collections.abc import Callable, Mapping
+
+import wasmtime
+
+from stcore import cache, fingerprint
+from stcore import types as t
+from stcore.faults import Fault, locate
+from stcore.program import INTERRUPT, INTERVAL, TASK_RATIOS, UNTIL, External, Program
+
+# What a trap of wasmtime is to a PLC programmer; 'unreachable' is a check of ours, whose site names the fault.
+_TRAPS = {
+    wasmtime.TrapCode.INTEGER_DIVISION_BY_ZERO: "F0102",
+    wasmtime.TrapCode.MEMORY_OUT_OF_BOUNDS: "F0104",
+    wasmtime.TrapCode.STACK_OVERFLOW: "F0105",
+}
+_PAGE = 65536
+
+
+def _engine() -> wasmtime.Engine:
+    config = wasmtime.Config()
+    config.cranelift_opt_level = "speed"
+    config.max_wasm_stack = 1 << 20
+    config.wasm_threads = True
+    return wasmtime.Engine(config)
+
+
+_ENGINE: wasmtime.Engine | None = None
+
+
+def engine() -> wasmtime.Engine:
+    global _ENGINE
+    if _ENGINE is None:
+        _ENGINE = _engine()
+    return _ENGINE
+
+
+def assemble(text: str) -> bytes:
+    """WebAssembly text to its binary form."""
+    return bytes(wasmtime.wat2wasm(text))
+
+
+def load_module(wasm: bytes) -> wasmtime.Module:
+    """The module's machine code: from the cache, or compiled and kept there."""
+    key = fingerprint.digest(wasm, wasmtime.__version__.encode())
+    kept = cache.load("native", key)
+    if kept is not None:
+        try:
+            return wasmtime.Module.deserialize(engine(), kept)
+        except wasmtime.WasmtimeError:
+            kept = None  # made on another processor or by another build: compile again
+    module = wasmtime.Module(engine(), wasm)
+    cache.store("native", key, bytes(module.serialize()))
+    return module
+
+
+class HostError(Exception):
+    """A function of the host failed or is missing."""
+
+
+class Machine:
+    """Runs a Program. The image can be read and written between runs, also after a fault.
+
+    host: name of an external -> Python function. An external that is missing is a fault (F0106) when it is called.
+    """
+
+    def __init__(self, program: Program, host: Mapping[str, Callable] | None = None) -> None:
+        self.program = program
+        self._store = wasmtime.Store(engine())
+        module = load_module(program.wasm)
+        imports = [self._import(e, (host or {}).get(e.name)) for e in program.externals]
+        self._instance = wasmtime.Instance(self._store, module, imports)
+        exports = self._instance.exports(self._store)
+        self._memory: wasmtime.Memory = exports["memory"]
+        self._hooks: wasmtime.Table = exports["hooks"]
+        self._run: wasmtime.Func = exports["run"]
+        self._init: wasmtime.Func = exports["init"]
+        self._sp: wasmtime.Global = exports["sp"]
+        self._top = exports["stack_top"].value(self._store)
+        self._host_error: BaseException | None = None
+        self._used = program.limit
+        self._view: memoryview | None = None
+        self._grow_to(program.limit + 64)
+        self.initialise()
+
+    # ------------------------------------------------------------------------------------------- memory
+
+    @property
+    def memory(self) -> memoryview:
+        """The whole linear memory, writable. Take it anew after allocate()."""
+        if self._view is None:
+            size = self._memory.data_len(self._store)
+            pointer = ctypes.addressof(self._memory.data_ptr(self._store).contents)
+            self._view = memoryview((ctypes.c_ubyte * size).from_address(pointer)).cast("B")
+        return self._view
+
+    def allocate(self, size: int) -> int:
+        """Room for the host beyond the program's memory; an address that is a multiple of 8."""
+        address = (self._used + 7) // 8 * 8
+        self._used = address + size
+        self._grow_to(self._used)
+        return address
+
+    def _grow_to(self, size: int) -> None:
+        have = self._memory.size(self._store) * _PAGE
+        if size > have:
+            self._memory.grow(self._store, (size - have + _PAGE - 1) // _PAGE)
+            self._view = None
+
+    # ---------------------------------------------------------------------------------------------- run
+
+    def initialise(self) -> None:
+        """The first image, then the initial values that the program works out itself."""
+        program = self.program
+        memory = self.memory
+        interval = bytes(memory[INTERVAL : INTERVAL + 8])
+        ratios = bytes(memory[TASK_RATIOS : TASK_RATIOS + 4 * len(program.tasks)])
+        memory[: program.image_end] = program.image
+        memory[INTERVAL : INTERVAL + 8] = interval if any(interval) else struct.pack("<q", 10**6)
+        default = struct.pack("<I", 1) * len(program.tasks)
+        memory[TASK_RATIOS : TASK_RATIOS + len(default)] = ratios if any(ratios) else default
+        memory[program.image_end : program.limit] = bytes(program.limit - program.image_end)
+        self._call(self._init)
+
+    def run(self, scans: int) -> int:
+        """Run up to `scans` scans in one call; the number done. Raises Fault; the image is as the fault left it."""
+        return self._call(self._run, scans)
+
+    def _call(self, function: wasmtime.Func, *args: int) -> int:
+        self._sp.set_value(self._store, wasmtime.Val.i32(self._top))
+        self._host_error = None
+        try:
+            return function(self._store, *args)
+        except wasmtime.Trap as trap:
+            raise self._fault(trap) from None
+        except wasmtime.WasmtimeError as error:
+            raise self._host_fault(error) from None
+        except HostError as error:
+            raise self._host_fault(error) from None
+
+    def _fault(self, trap: wasmtime.Trap) -> Fault:
+        frames = [(f.func_index, f.module_offset) for f in trap.frames]
+        return locate(self.program, self.memory, _TRAPS.get(trap.trap_code, ""), frames)
+
+    def _host_fault(self, error: Exception) -> Fault:
+        frames = [(f.func_index, f.module_offset) for f in getattr(error, "frames", None) or []]
+        cause = self._host_error or error
+        return locate(self.program, self.memory, "F0106", frames, str(cause))
+
+    def interrupt(self) -> None:
+        """Stop a run that is under way, from another thread: it ends with fault F0108 or after the scan."""
+        struct.pack_into("<i", self.memory, INTERRUPT, 1)
+
+    def clear_interrupt(self) -> None:
+        struct.pack_into("<i", self.memory, INTERRUPT, 0)
+
+    def set_until(self, condition: bytes | None) -> None:
+        """End a run after the scan in which the condition (compile_condition) holds; None: no condition."""
+        if condition is not None:
+            instance = wasmtime.Instance(self._store, wasmtime.Module(engine(), condition), [self._memory])
+            self._hooks.set(self._store, 0, instance.exports(self._store)["condition"])
+        struct.pack_into("<i", self.memory, UNTIL, condition is not None)
+
+    # --------------------------------------------------------------------------------------------- host
+
+    def _import(self, external: External, function: Callable | None) -> wasmtime.Func:
+        kinds = [_value_type(k) for _, k in external.parameters]
+        results = [_value_type(external.result)] if external.result is not None else []
+
+        def call(*args):
+            try:
+                if function is None:
+                    raise HostError(f"nothing provides the external function {external.name}")
+                result = function(*args)
+                return None if external.result is None else _as_result(result, external)
+            except Exception as error:
+                self._host_error = error
+                raise
+
+        return wasmtime.Func(self._store, wasmtime.FuncType(kinds, results), call)
+
+
+def _value_type(kind: t.Type) -> wasmtime.ValType:
+    base = t.base_of(kind)
+    name = base.wasm if isinstance(base, t.Elementary) else "i32"
+    return getattr(wasmtime.ValType, name)()
+
+
+def _as_result(result: object, external: External) -> int | float:
+    base = t.base_of(external.result)
+    if not isinstance(result, int | float):
+        raise HostError(f"{external.name} returned {result!r}, which is no {external.result}")
+    if isinstance(base, t.Elementary) and base.kind == "real":
+        return float(result)
+    bits = 64 if isinstance(base, t.Elementary) and base.size == 8 else 32
+    value = int(result) & ((1 << bits) - 1)
+    return value - (1 << bits) if value >> (bits - 1) else value
+
+
+__all__ = ["Fault", "HostError", "Machine", "assemble"]

@@ -1,0 +1,142 @@
+"""Symbols: what a name of a program can stand for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from stcore import syntax as s
+from stcore.source import Source
+from stcore.types import Block, Enum, Type
+
+
+@dataclass(eq=False, slots=True)
+class Var:
+    """A variable, wherever it lives.
+
+    storage: 'global' (address is absolute), 'this' (address is the offset in the instance of its block), 'local' (of a
+    function, or VAR_TEMP: the emitter chooses a WebAssembly local or the stack frame), 'area' (at a direct address:
+    area 'I', 'Q' or 'M', address in bytes within it).
+    indirect: what is stored is the address of the variable (VAR_IN_OUT, a string passed without a copy).
+    const: the value of a constant that is known at compile time.
+    written, addressed: found by the checker; they let the emitter keep a variable out of memory.
+    """
+
+    name: str
+    type: Type
+    storage: str
+    address: int = 0
+    section: str = "VAR"
+    indirect: bool = False
+    constant: bool = False
+    const: object = None
+    retain: bool = False
+    persistent: bool = False
+    written: bool = False
+    addressed: bool = False
+    read_only: str = ""  # why an assignment is refused; '' if it is not
+    area: str = ""
+    bit: int | None = None
+    owner: Pou | None = None
+    init: Init | None = None
+    decl: s.VarDecl | None = None
+    source: Source | None = None
+    library: bool = False
+    index: int = -1  # of its parameter, for the emitter
+
+
+@dataclass(eq=False, slots=True)
+class Init:
+    """An initial value as written, with what is needed to understand its names."""
+
+    node: s.Node
+    source: Source
+    pou: Pou | None = None
+    value: object = None  # the checked expression
+    checked: bool = False
+
+
+@dataclass(eq=False, slots=True)
+class Pou:
+    """A PROGRAM, FUNCTION or FUNCTION_BLOCK.
+
+    type: the Block of its instances (None for a function). variables: upper-case name -> Var. parameters: the inputs,
+    in-outs and outputs in order of declaration. result: the variable of a function's name. bindings: what the type
+    names of a generic function stand for in this instance of it. uses: the POUs and global variables that its code needs.
+    """
+
+    kind: str
+    name: str
+    tree: s.Pou
+    source: Source
+    library: bool = False
+    type: Block | None = None
+    variables: dict[str, Var] = field(default_factory=dict)
+    parameters: list[Var] = field(default_factory=list)
+    result: Var | None = None
+    bindings: dict[str, Type] = field(default_factory=dict)
+    enum_names: dict[str, EnumValue] = field(default_factory=dict)  # of enumerations declared in a variable
+    actions: dict[str, s.Action] = field(default_factory=dict)
+    attributes: dict[str, str] = field(default_factory=dict)
+    uses: set[Pou] = field(default_factory=set)
+    address: int | None = None  # of a program's instance
+    checked: bool = False
+    writes_outside: bool = False
+    symbol: str = ""  # its name in the module
+    serial: int = 0
+
+    @property
+    def external(self) -> bool:
+        return "external" in self.attributes
+
+    def inputs(self) -> list[Var]:
+        """What a positional call fills, in order: inputs and in-outs."""
+        return [p for p in self.parameters if p.section != "VAR_OUTPUT"]
+
+
+@dataclass(eq=False, slots=True)
+class TypeName:
+    """The name of a type where an expression may stand: SIZEOF(T), T#Value."""
+
+    type: Type
+    pou: Pou | None = None
+
+
+@dataclass(eq=False, slots=True)
+class EnumValue:
+    type: Enum
+    number: int
+
+
+@dataclass(eq=False, slots=True)
+class GlobalList:
+    """A list of global variables as a name before a dot: GVL.x."""
+
+    name: str
+    variables: set[str]  # upper-case
+
+
+@dataclass(eq=False, slots=True)
+class Builtin:
+    """A function that the compiler itself provides (stcore/check/builtins.py)."""
+
+    name: str
+
+
+@dataclass(eq=False, slots=True)
+class ActionOf:
+    """An action of a program or block: `base` is the instance expression, None for the running one."""
+
+    pou: Pou
+    action: s.Action
+    base: s.Node | None = None
+
+
+class Convert(s.Node):
+    """An implicit conversion that the checker put into the tree: the operand's value as `type`."""
+
+    __slots__ = ("operand", "type", "const", "symbol")
+
+
+def key(name: str) -> str:
+    """The form in which names are compared: ST does not tell upper from lower case."""
+    return name.upper()
