@@ -1,0 +1,192 @@
+"""What motion needs of the host: configuration files, and which axis of the program is which of the simulator."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Iterator
+from functools import cache
+from pathlib import Path
+
+from stcore.program import Program
+from stcore.types import Array, Block, Field, Struct, Type
+
+CONFIG = Path(__file__).parent / "config"
+AXIS = "AXIS_REF_SM3"
+TOO_LONG, MISSING, WRONG_LINE = -1, -2, -1000  # of HostReadConfig; WRONG_LINE minus the line's number
+AXES = 12  # of the GT_ controller
+# setting of a configuration file -> key of GtConfigure, lowest and highest value (docs/config_files.md)
+SETTINGS = {
+    "alarm": (1, 1, AXES),
+    "limit_positive": (2, 1, AXES),
+    "limit_negative": (3, 1, AXES),
+    "profile_alpha": (4, -32766, 32766),
+    "profile_beta": (5, -32766, 32766),
+    "encoder_alpha": (6, -32766, 32766),
+    "encoder_beta": (7, -32766, 32766),
+    "stop_smooth": (8, 1e-9, 32767),
+    "stop_abrupt": (9, 1e-9, 32767),
+    "following_error": (10, 1, 2147483647),
+    "lag": (11, 0, 1e6),
+    "resolution": (12, 0, 1e9),
+    "soft_positive": (13, -2147483648, 2147483647),
+    "soft_negative": (14, -2147483648, 2147483647),
+}
+SIGNALS = {"alarm", "limit_positive", "limit_negative"}
+
+
+class ConfigError(ValueError):
+    """A line of a configuration file that is wrong. line: its number, from 1."""
+
+    def __init__(self, line: int, problem: str) -> None:
+        super().__init__(f"line {line}: {problem}")
+        self.line = line
+
+
+def functions(plc) -> dict[str, Callable]:
+    """The external functions of the library, by upper-case name, for one PLC."""
+
+    def read_config(name_at: int, entries_at: int, most: int) -> int:
+        memory = _memory(plc)
+        raw = bytes(memory[name_at : name_at + 256]).split(b"\0")[0]
+        name = raw.decode("utf-8", "replace")
+        if len(name) > 125:
+            return TOO_LONG
+        file = find_config(name, [Path(f).parent for f in plc.program.files[:1]])
+        if file is None:
+            return MISSING
+        try:
+            entries = parse_config(file.read_text(encoding="utf-8", errors="replace"))
+        except ConfigError as error:
+            return WRONG_LINE - error.line
+        for i, (key, axis, value) in enumerate(entries[:most]):
+            struct.pack_into("<iid", memory, entries_at + 16 * i, key, axis, value)
+        return min(len(entries), most)
+
+    return {"HOSTREADCONFIG": read_config}
+
+
+def find_config(name: str, folders: list[Path]) -> Path | None:
+    """The file of a configuration: as named when absolute, else in the folders, the working folder, our examples."""
+    if not name:
+        return None
+    for folder in (*folders, Path.cwd(), CONFIG):
+        file = folder / name
+        if file.is_file():
+            return file
+    return None
+
+
+def parse_config(text: str) -> list[tuple[int, int, float]]:
+    """(key, axis, value) of every setting, later ones last. Raises ConfigError."""
+    entries: list[tuple[int, int, float]] = []
+    axes: range | None = None
+    for number, line in enumerate(text.splitlines(), 1):
+        line = line.split("#")[0].split(";")[0].strip().lower()
+        if not line:
+            continue
+        if line.startswith("["):
+            axes = _section(line, number)
+            continue
+        name, equals, value = (part.strip() for part in line.partition("="))
+        if not equals:
+            raise ConfigError(number, "a setting is written 'name = value'")
+        if axes is None:
+            raise ConfigError(number, "a setting stands below a section [axis N] or [axis *]")
+        if name not in SETTINGS:
+            raise ConfigError(number, f"there is no setting '{name}'")
+        key, low, high = SETTINGS[name]
+        if name in SIGNALS and value == "none":
+            number_value = -1.0
+        else:
+            try:
+                number_value = float(value)
+            except ValueError:
+                raise ConfigError(number, f"'{value}' is not a number") from None
+            if not low <= number_value <= high or (low == -32766 and number_value == 0):
+                raise ConfigError(number, f"{name} goes from {low:g} to {high:g}")
+        entries += [(key, axis, number_value) for axis in axes]
+    return entries
+
+
+def _section(line: str, number: int) -> range:
+    words = line.strip("[]").split()
+    if len(words) == 2 and words[0] == "axis":
+        if words[1] == "*":
+            return range(1, AXES + 1)
+        if words[1].isdigit() and 1 <= int(words[1]) <= AXES:
+            return range(int(words[1]), int(words[1]) + 1)
+    raise ConfigError(number, f"a section is [axis *] or [axis 1] ... [axis {AXES}]")
+
+
+# ------------------------------------------------------------------------------------------- axes of the program
+
+
+def bind_axes(plc) -> None:
+    """Give every AXIS_REF_SM3 of the program its number in the simulator: the order of declaration.
+
+    Raises ValueError when there are more than the simulator has.
+    """
+    program, memory = plc.program, _memory(plc)
+    simulated = program.variables.get("SIM.AXIS")
+    if simulated is None or not isinstance(simulated.type, Array):
+        return
+    ref_type = program.types.get(AXIS)
+    if ref_type is None:
+        return
+    addresses = list(axis_addresses(program))
+    (low, high), element = simulated.type.bounds[0], simulated.type.element
+    if len(addresses) > high - low + 1:
+        raise ValueError(
+            f"the program declares {len(addresses)} axes of type {AXIS}; the simulator has {high - low + 1}"
+        )
+    count = program.variables["SIM.COUNT"].address
+    used, number, ref = (element.members[m].offset for m in ("USED", "NUMBER", "REF"))
+    for n, address in enumerate(addresses, low):
+        axis = simulated.address + (n - low) * element.size
+        struct.pack_into("<h", memory, address + ref_type.members["AXISNO"].offset, n)
+        struct.pack_into("<B", memory, axis + used, 1)
+        struct.pack_into("<h", memory, axis + number, n)
+        struct.pack_into("<I", memory, axis + ref, address)
+    most = max(len(addresses), struct.unpack_from("<h", memory, count)[0])
+    struct.pack_into("<h", memory, count, most)
+
+
+def axis_addresses(program: Program) -> Iterator[int]:
+    """Addresses of the program's AXIS_REF_SM3, in order of declaration, file by file."""
+    order = {file: i for i, file in enumerate(program.files)}
+    own = [v for v in program.variables.values() if not v.library and v.direct is None]
+    for variable in sorted(own, key=lambda v: (order.get(v.file, len(order)), v.line)):
+        yield from _inside(variable.type, variable.address)
+
+
+def _inside(of: Type, address: int) -> Iterator[int]:
+    if not _holds_axis(of):
+        return
+    if isinstance(of, Array):
+        for i in range(of.size // of.element.size):
+            yield from _inside(of.element, address + i * of.element.size)
+    elif of.name.upper() == AXIS:
+        yield address
+    else:
+        for member in of.members.values():
+            if _own(member):
+                yield from _inside(member.type, address + member.offset)
+
+
+@cache
+def _holds_axis(of: Type) -> bool:
+    """Is there an AXIS_REF_SM3 by value in variables of this type?"""
+    if isinstance(of, Array):
+        return _holds_axis(of.element)
+    if isinstance(of, Struct | Block):
+        return of.name.upper() == AXIS or any(_holds_axis(m.type) for m in of.members.values() if _own(m))
+    return False
+
+
+def _own(member: Field) -> bool:
+    """Does the member lie in the instance itself?"""
+    return member.section not in ("VAR_IN_OUT", "VAR_STAT", "VAR_TEMP", "VAR_EXTERNAL")
+
+
+def _memory(plc):
+    return plc._machine.memory
