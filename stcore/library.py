@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from stcore import cache, fingerprint
+from stcore import cache
 from stcore.source import read
 
 _COMMENT = re.compile(r"\(\*.*?\*\)|//[^\n]*|\{[^}]*\}|'(?:[^'$\n]|\$.)*'", re.S)
@@ -55,11 +55,11 @@ def index(folder: Path, *, recursive: bool, library: bool) -> dict[str, Entry]:
     """Upper-case name -> the file of `folder` that defines it; the file's own name counts as defined."""
     files = sorted(folder.rglob("*.st") if recursive else folder.glob("*.st"))
     stamp = json.dumps([[str(f), (i := f.stat()).st_mtime_ns, i.st_size] for f in files])
-    cached = cache.load("index", fingerprint.digest(stamp.encode()))
+    cached = cache.load("index", cache.digest(stamp.encode()))
     if cached is None:
         table = {str(f): sorted(names_of(read(f).text)) for f in files}
         cached = json.dumps(table).encode()
-        cache.store("index", fingerprint.digest(stamp.encode()), cached)
+        cache.store("index", cache.digest(stamp.encode()), cached)
     entries: dict[str, Entry] = {}
     for path, names in json.loads(cached).items():
         file = Path(path)

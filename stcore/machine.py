@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 
 import wasmtime
 
-from stcore import cache, fingerprint
+from stcore import cache
 from stcore import types as t
 from stcore.faults import Fault, locate
 from stcore.program import INTERRUPT, INTERVAL, TASK_RATIOS, UNTIL, External, Program
@@ -47,7 +47,7 @@ def assemble(text: str) -> bytes:
 
 def load_module(wasm: bytes) -> wasmtime.Module:
     """The module's machine code: from the cache, or compiled and kept there."""
-    key = fingerprint.digest(wasm, wasmtime.__version__.encode())
+    key = cache.digest(wasm, wasmtime.__version__.encode())
     kept = cache.load("native", key)
     if kept is not None:
         try:

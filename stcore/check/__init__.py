@@ -14,8 +14,9 @@ from stcore.check import builtins
 from stcore.check.calls import copy_tree
 from stcore.check.initial import Initials
 from stcore.check.statements import Statements
-from stcore.declare import Declarer, Pending, Project
+from stcore.declare import Declarer, Pending
 from stcore.diagnostics import Reporter
+from stcore.project import Project
 from stcore.scope import Pou, Var
 from stcore.source import Source
 

@@ -15,7 +15,7 @@ from stcore import syntax as s
 from stcore import types as t
 from stcore.check.conversions import INTEGER, common, convert_value, kind_of
 from stcore.check.fold import saturate, wrap
-from stcore.scope import Convert, TypeName, Var
+from stcore.scope import Convert, Pou, TypeName, Var
 
 _CONVERSION = re.compile(r"(?:([A-Z_]+?|[A-Z]+)_)?TO_([A-Z_]+)$")
 
@@ -252,7 +252,7 @@ def _adr(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
 
 def _sizeof(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
     value = checker.expr(values[0])
-    kind = value.symbol.type if isinstance(value.symbol, TypeName) else value.type
+    kind = value.symbol.type if isinstance(value.symbol, TypeName | Pou) else value.type
     if kind is None and isinstance(value, s.Name) and value.name.upper() in t.ELEMENTARY:
         kind = t.ELEMENTARY[value.name.upper()]
     if kind is None or kind is t.ERROR:

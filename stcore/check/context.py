@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from stcore import syntax as s
 from stcore import types as t
-from stcore.declare import Project
 from stcore.near import near
+from stcore.project import Project
 from stcore.scope import Pou, key
 from stcore.source import Source
 

@@ -94,6 +94,12 @@ class ModuleEmitter:
             self.templates[mark] = self._constant(data, 8) if any(data) else 0
         return self.templates[mark]
 
+    def zeros(self, size: int) -> int:
+        """The address of so many zero bytes."""
+        if size not in self.templates:
+            self.templates[size] = self._constant(bytes(size), 8)
+        return self.templates[size]
+
     def initial_value(self, var: Var) -> object:
         """The constant (or else the checked expression) that a variable starts with."""
         if var.init is not None:
@@ -209,4 +215,4 @@ class ModuleEmitter:
         return bytes(image)
 
 
-_NOWHERE = Pou("FUNCTION", "initial value", None, Source(""))
+_NOWHERE = Pou("FUNCTION", "initial value", s.Exit(0, 0), Source(""))

@@ -29,7 +29,7 @@ class Calls(Expressions):
         """An input that is not given: its declared initial value."""
         init = self.module.initial_value(var)
         if t.is_aggregate(var.type):
-            return f"(i32.const {self.module.template(var)})"
+            return f"(i32.const {self.module.template(var) or self.module.zeros(var.type.size)})"
         return constant(init, var.type)
 
     def function_call(self, node: s.Call, call: FunctionCall) -> str:

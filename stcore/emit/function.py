@@ -9,7 +9,6 @@ from stcore import types as t
 from stcore.emit.calls import aggregate_outputs, scalar_outputs
 from stcore.emit.statements import Statements
 from stcore.emit.values import address, constant, load, store, wasm_type, wrap
-from stcore.program import Site
 from stcore.scope import Pou, Var
 from stcore.source import Source
 

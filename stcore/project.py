@@ -1,0 +1,206 @@
+"""The names of one compilation, each resolved when something first needs it.
+
+A name is looked for among the user's files, then among the sibling files, then in the library, whose files are read
+only when a program uses them. Code of the library sees the library only: a user's own TON does not reach into it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from stcore import syntax as s
+from stcore import types as t
+from stcore.cache import parse_cached
+from stcore.declare import Declarer, Pending, align
+from stcore.diagnostics import Reporter
+from stcore.library import Entry, index
+from stcore.program import NULL_PAGE
+from stcore.scope import Builtin, EnumValue, GlobalList, Init, Pou, TypeName, Var, key
+from stcore.source import Source, read
+
+
+class Project:
+    """All names, types and storage of one compilation.
+
+    evaluate: set by the checker; evaluates a constant expression of a declaration.
+    """
+
+    def __init__(self, reporter: Reporter, libraries: list[Path], siblings: list[Path] | None = None) -> None:
+        self.reporter = reporter
+        self.user: dict[str, Pending] = {}
+        self.library: dict[str, Pending] = {}
+        self.sibling_index: dict[str, Entry] = {}
+        self.library_index: dict[str, Entry] = {}
+        for folder in siblings or []:
+            for name, entry in index(folder, recursive=False, library=False).items():
+                self.sibling_index.setdefault(name, entry)
+        for folder in libraries:
+            for name, entry in index(folder, recursive=True, library=True).items():
+                self.library_index.setdefault(name, entry)
+        self.loaded: dict[str, Source] = {}  # path -> source of every file read
+        self.pous: list[Pou] = []  # declared, in order
+        self.globals: list[Var] = []  # with storage, in order
+        self.configurations: list[tuple[s.Configuration, Source]] = []
+        self.type_inits: dict[str, Init] = {}
+        self.field_inits: dict[t.Field, Init] = {}
+        self.block_pous: dict[t.Block, Pou] = {}
+        self.named_types: dict[str, t.Type] = {}
+        self.needs: list[str] = []  # library programs that a global list brings along
+        self.top = NULL_PAGE  # next free address of the image
+        self.evaluate: Callable[[s.Node, Source, Pou | None, bool], object] = lambda *_: None
+        self.is_builtin: Callable[[str], bool] = lambda _: False
+
+    # ------------------------------------------------------------------------------------------- files
+
+    def add_file(self, source: Source, *, library: bool = False, tree: s.File | None = None) -> s.File:
+        """Read the declarations of a file. Its errors go to the reporter."""
+        tree = tree or parse_cached(source, self.reporter)
+        self.loaded[source.path] = source
+        table = self.library if library else self.user
+        for unit in tree.units:
+            self._add_unit(unit, source, library, table)
+        if "needs" in tree.attributes:
+            self.needs.append(tree.attributes["needs"])
+        return tree
+
+    def _add_unit(self, unit: s.Node, source: Source, library: bool, table: dict[str, Pending]) -> None:
+        match unit:
+            case s.Pou():
+                self._add(table, unit.name, Pending("pou", unit, source, library, at=unit.name_start))
+            case s.TypeDecl():
+                self._add(table, unit.name, Pending("type", unit, source, library, at=unit.name_start))
+                if isinstance(unit.type, s.EnumDef) and "qualified_only" not in unit.attributes:
+                    for name, at, _ in unit.type.items:
+                        self._add(table, name, Pending("enum value", unit, source, library, unit.name, at=at))
+            case s.VarSection():
+                self._add_globals(unit, source, library, table)
+            case s.Configuration():
+                self.configurations.append((unit, source))
+                for section in unit.sections:
+                    self._add_globals(section, source, library, table)
+
+    def _add_globals(self, section: s.VarSection, source: Source, library: bool, table: dict[str, Pending]) -> None:
+        name = section.name or Path(source.path).stem
+        qualified = "qualified_only" in section.attributes
+        if "needs" in section.attributes:
+            self.needs.append(section.attributes["needs"])
+        existing = table.get(key(name))
+        if existing and existing.kind == "list":
+            listed = existing.extra
+        else:
+            listed = GlobalList(name, set())
+            if existing is None:
+                table[key(name)] = Pending("list", section, source, library, listed, listed)
+        for decl in section.decls:
+            listed.variables.add(key(decl.name))
+            entry = Pending("global", decl, source, library, (section, name), at=decl.start)
+            table[key(f"{name}.{decl.name}")] = entry
+            if not qualified:
+                self._add(table, decl.name, entry)
+
+    def _add(self, table: dict[str, Pending], name: str, entry: Pending) -> None:
+        first = table.get(key(name))
+        if first is not None and first.kind == "list":
+            first = None
+        if first is not None and not entry.library:
+            line = first.source.position(first.at)[0]
+            where = "" if first.source.path == entry.source.path else f" of {first.source.path}"
+            self.reporter.add("E0201", entry.source, entry.at, entry.at + len(name), name=name, line=f"{line}{where}")
+            return
+        if first is None:
+            table[key(name)] = entry
+
+    # ------------------------------------------------------------------------------------------- names
+
+    def lookup(self, name: str, library: bool = False) -> object | None:
+        """The symbol of a global name, or None. library: asked by code of the library."""
+        upper = key(name)
+        if not library:
+            entry = self.user.get(upper)
+            if entry is None and upper in self.sibling_index and not self.is_builtin(upper):
+                entry = self._load(upper, self.sibling_index[upper], self.user)
+            if entry is not None:
+                return self._resolve(entry)
+        if self.is_builtin(upper):
+            return Builtin(upper)
+        entry = self.library.get(upper)
+        if entry is None and upper in self.library_index:
+            entry = self._load(upper, self.library_index[upper], self.library)
+        return None if entry is None else self._resolve(entry)
+
+    def _load(self, name: str, entry: Entry, table: dict[str, Pending]) -> Pending | None:
+        """Read the file that the index names; of a sibling only what was asked for."""
+        path = str(entry.path)
+        if path in self.loaded and entry.library:
+            return table.get(name)
+        source = self.loaded.get(path) or read(entry.path)
+        if entry.library:
+            self.add_file(source, library=True)
+            return table.get(name)
+        self.loaded[path] = source
+        wanted: dict[str, Pending] = {}
+        quiet = Reporter()  # what is wrong elsewhere in a sibling is not this program's concern
+        for unit in parse_cached(source, quiet).units:
+            if not (isinstance(unit, s.Pou) and unit.kind == "PROGRAM"):
+                self._add_unit(unit, source, False, wanted)
+        for found, pending in wanted.items():
+            table.setdefault(found, pending)
+        return table.get(name)
+
+    def known_names(self, library: bool = False) -> list[str]:
+        """Every global name there is, for 'did you mean'."""
+        names = [e.path.stem if e.path.stem.upper() == n else n for n, e in self.library_index.items()]
+        if not library:
+            for n, p in self.user.items():
+                names.append(getattr(p.tree, "name", None) or n)
+            names += self.sibling_index
+        return names
+
+    def _resolve(self, entry: Pending) -> object | None:
+        if entry.symbol is not None:
+            return entry.symbol
+        if entry.busy:
+            name = getattr(entry.tree, "name", "?")
+            self.reporter.add("E0203", entry.source, entry.at, entry.at + len(name), name=name)
+            return None
+        entry.busy = True
+        match entry.kind:
+            case "pou":
+                entry.symbol = Declarer(self, entry.source, entry.library).pou(entry)
+            case "type":
+                entry.symbol = TypeName(self._type_decl(entry))
+            case "enum value":
+                holder = (self.library if entry.library else self.user)[key(entry.extra)]
+                symbol = self._resolve(holder)
+                name = key(next(n for n, at, _ in entry.tree.type.items if at == entry.at))
+                number = {key(n): v for n, v in symbol.type.values.items()}.get(name)
+                entry.symbol = EnumValue(symbol.type, number)
+            case "global":
+                entry.symbol = Declarer(self, entry.source, entry.library).global_variable(entry)
+        entry.busy = False
+        return entry.symbol
+
+    def _type_decl(self, entry: Pending) -> t.Type:
+        tree = entry.tree
+        made = Declarer(self, entry.source, entry.library).type(tree.type, tree.name)
+        if tree.init is not None:
+            self.type_inits[key(tree.name)] = Init(tree.init, entry.source)
+        elif isinstance(tree.type, s.NamedType) and key(tree.type.name) in self.type_inits:
+            self.type_inits[key(tree.name)] = self.type_inits[key(tree.type.name)]
+        self.named_types[key(tree.name)] = made
+        return made
+
+    # ----------------------------------------------------------------------------------------- storage
+
+    def allocate(self, size: int, alignment: int) -> int:
+        """Room in the image."""
+        address = align(self.top, max(alignment, 1))
+        self.top = address + size
+        return address
+
+    def instance(self, pou: Pou) -> int:
+        """The address of a program's one instance, given out when it is first asked for."""
+        if pou.address is None:
+            pou.address = self.allocate(pou.type.size, 8)
+        return pou.address
