@@ -1,0 +1,42 @@
+"""Every file of the standard library: named after what it defines, documented in the fixed form, and it compiles."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import stcore
+from stcore.source import Source
+
+FOLDER = Path(stcore.__file__).parent / "library"
+FILES = sorted(FOLDER.rglob("*.st"))
+COMMENT = re.compile(r"\(\* (\w+): (.*?) ?\*\)\n", re.S)
+POU = re.compile(r"^(?:FUNCTION_BLOCK|FUNCTION|PROGRAM|TYPE) (\w+)", re.M)
+FIELDS = ("units", "ranges", "returns", "source")
+
+
+def test_no_name_twice():
+    names = [f.stem.upper() for f in FILES]
+    assert sorted(set(names)) == sorted(names)
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda f: f.stem)
+def test_form(file):
+    text = file.read_text(encoding="utf-8")
+    comment = COMMENT.match(text)
+    assert comment, "the file begins with its documentation"
+    assert comment[1] == file.stem == POU.search(text)[1]
+    fields = re.findall(r"^   (\w+): ", comment[2], re.M)
+    assert all(f in FIELDS for f in fields)
+    hidden = "{attribute 'hidden'}" in text
+    assert hidden == file.stem.startswith("__")
+    assert hidden or "source" in fields
+    assert max(map(len, text.splitlines())) <= 120
+
+
+def test_all_compile():
+    """All blocks in one program, without a message."""
+    blocks = [f.stem for f in FILES if re.search(r"^FUNCTION_BLOCK", f.read_text(encoding="utf-8"), re.M)]
+    declared = "".join(f"  b{i} : {name};\n" for i, name in enumerate(blocks))
+    text = f"PROGRAM PLC_PRG\nVAR\n{declared}END_VAR\nEND_PROGRAM\n"
+    assert stcore.check([Source(text, "all.st")]) == []
