@@ -6,7 +6,7 @@ __all__ = ["PLC", "CompileError", "ConditionTimeout", "Fault", "PathError", "Usa
 
 _HOMES = {
     "PLC": "plcruntime.plc", "ConditionTimeout": "plcruntime.errors", "UsageError": "plcruntime.errors",
-    "CompileError": "stcore.diagnostics", "Fault": "stcore.machine", "PathError": "stcore.paths",
+    "CompileError": "stcore.diagnostics", "Fault": "stcore.faults", "PathError": "stcore.paths",
 }  # fmt: skip
 
 

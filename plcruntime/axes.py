@@ -12,13 +12,6 @@ if TYPE_CHECKING:
     from plcruntime.plc import PLC
 
 ROOT = "SIM.Axis"
-# what Python calls it -> what the simulator may call it, the first that exists
-ALIASES = {
-    "position": ("prfPos",),
-    "velocity": ("prfVel",),
-    "acceleration": ("prfAcc",),
-    "status": ("sts", "status"),
-}
 
 
 class Members:
@@ -29,12 +22,10 @@ class Members:
         object.__setattr__(self, "_path", path)
 
     def _place(self, name: str):
-        for candidate in (name, *ALIASES.get(name, ())):
-            try:
-                return self._plc.place(f"{self._path}.{candidate}")
-            except PathError as error:
-                problem = error
-        raise AttributeError(str(problem))
+        try:
+            return self._plc.place(f"{self._path}.{name}")
+        except PathError as error:
+            raise AttributeError(str(error)) from None
 
     def __getattr__(self, name: str):
         if name.startswith("__"):
@@ -55,7 +46,11 @@ class Members:
 
 
 class Axes:
-    """Axes of the simulator by number (from 1) or by the name in plc.toml. Empty when the program moves none."""
+    """Axes of the simulator by number (from 1) or by the name in plc.toml. Empty when the program moves none.
+
+    ``plc.axes[1].position`` and ``.velocity`` are the motor's, in pulse and pulse/ms, ``.status`` is the status word; all
+    members are in mclib/library/sim/SimAxis.st. They can be written too: ``plc.axes[1].switches.positive = True``.
+    """
 
     def __init__(self, plc: PLC) -> None:
         self._plc = plc

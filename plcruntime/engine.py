@@ -11,13 +11,12 @@ import time
 from collections.abc import Callable, Sequence
 from math import gcd
 
-from stcore.machine import Fault
-
 from plcruntime.forces import Forces, Piece
 from plcruntime.guard import Guard
 from plcruntime.snapshot import History, Snapshot, kept_regions, put_back, take
 from plcruntime.stimuli import Schedule
 from plcruntime.trace import Recorder
+from stcore.faults import Fault
 from stcore.program import INTERVAL, SCAN, TASK_RATIOS, Program
 
 CALL_SECONDS = 0.05
@@ -44,7 +43,8 @@ class Engine:
         self.run_s = 0.0
         self._chunk = 16
         self._busy = False
-        self.start()
+        self._until = False
+        self._begin()
 
     # ---------------------------------------------------------------------------------------------- state
 
@@ -53,29 +53,26 @@ class Engine:
         """Scans finished."""
         return int.from_bytes(self.machine.memory[SCAN : SCAN + 8], "little")
 
-    def start(self, kept: Sequence[tuple[int, int]] = ()) -> None:
-        """First image, clock at 0. kept: (address, size) of what keeps its value."""
+    def restart(self, kind: str) -> None:
+        """First image, clock at 0. kind: 'warm' keeps RETAIN and PERSISTENT, 'cold' PERSISTENT, 'origin' nothing."""
+        regions = [] if kind == "origin" else kept_regions(self.program, persistent_only=kind == "cold")
         memory = self.machine.memory
-        saved = [(address, bytes(memory[address : address + size])) for address, size in kept]
+        kept = [(address, bytes(memory[address : address + size])) for address, size in regions]
         self.fault = None
-        try:
-            self.machine.initialise()
-        except Fault as fault:  # an initial value that divides by zero: the PLC is there, and in its exception state
-            self.fault = fault
+        self.machine.initialise()
+        self._put(kept)
+        self._begin()
+
+    def _begin(self) -> None:
+        """What the host keeps in the memory of a machine that was initialised."""
         memory = self.machine.memory
         struct.pack_into("<q", memory, INTERVAL, self.interval)
         struct.pack_into(f"<{len(self._ratios)}i", memory, TASK_RATIOS, *self._ratios)
-        for address, data in saved:
-            memory[address : address + len(data)] = data
         self.forces.set_state(({}, {}))
         self.recorder.forget_from(0)
         self.recorder.arrange()
         self.history.clear()
         self.schedule = Schedule()
-
-    def restart(self, kind: str) -> None:
-        """kind: 'warm' keeps RETAIN and PERSISTENT, 'cold' PERSISTENT, 'origin' nothing."""
-        self.start([] if kind == "origin" else kept_regions(self.program, persistent_only=kind == "cold"))
 
     def write(self, pieces: Sequence[Piece]) -> None:
         """Write to the image, and remember it for going back."""
@@ -110,11 +107,13 @@ class Engine:
             raise RuntimeError("the PLC is running: a function called between scans can't run it")
         goal = self.scans + count
         self._busy = True
+        self._until = until is not None
         self.machine.set_until(until)
         try:
             with self.guard.run():
                 return self._loop(goal, test, _Clock(self.interval) if realtime else None)
         finally:
+            self._until = False
             self.machine.set_until(None)
             self.recorder.drain(self.scans)
             self._busy = False
@@ -181,7 +180,7 @@ class Engine:
         if step >= self._chunk:
             # towards CALL_SECONDS, at most eightfold at a time: the first scans are not like the others
             self._chunk = max(1, min(self._chunk * 8, int(step * CALL_SECONDS / max(seconds, 1e-7))))
-        return self.machine.until_reached
+        return self._until and self.machine.until_holds()
 
     def _keyframe(self) -> None:
         self.history.mark(self.snapshot(), self.run_s)

@@ -65,6 +65,7 @@ class Guard:
             self._memory = self.machine.memory
             self._call += 1
             self.expired = False
+            self.machine.clear_interrupt()
             self._busy = True
         try:
             yield

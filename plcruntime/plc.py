@@ -14,8 +14,6 @@ import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from stcore.machine import Fault, Machine
-
 from plcruntime import durations, sources
 from plcruntime.axes import Axes
 from plcruntime.engine import Engine
@@ -25,6 +23,7 @@ from plcruntime.snapshot import Snapshot
 from plcruntime.stimuli import Stimulus, scan_of
 from stcore import paths, values
 from stcore.diagnostics import Diagnostic
+from stcore.faults import Fault
 from stcore.paths import PathError, Place
 from stcore.program import Program
 
@@ -44,10 +43,10 @@ class PLC:
 
     def __init__(
         self, program: Program, *, interval: Time | None = None, project: Project | None = None,
-        watchdog: float | None = None, machine: Callable = Machine,
+        watchdog: float | None = None, machine: Callable | None = None,
     ) -> None:  # fmt: skip
         """program: as stcore.compile gives it. interval: of a scan, 1 ms if None. watchdog: s of wall clock that one
-        scan may take, 0 for no limit. machine: what runs the program. Raises ValueError for a bad interval."""
+        scan may take, 0 for no limit. machine: what runs the program, wasmtime if None. Raises ValueError for a bad interval."""
         self.program = program
         self.project = project or Project()
         limit = watchdog if watchdog is not None else self.project.watchdog
@@ -56,8 +55,9 @@ class PLC:
             raise ValueError(f"an interval of {interval} is not longer than 0")
         self.axes = Axes(self)
         self._places: dict[str, Place] = {}
-        self._engine: Engine | None = None
         host = _motion_host(program)
+        if machine is None:
+            from plcruntime.soft_machine import SoftMachine as machine
         self._machine = machine(program, host.functions(self) if host else {})
         self._engine = Engine(program, self._machine, ns, WATCHDOG if limit is None else limit)
         self._bind = host.bind_axes if host else None
@@ -192,6 +192,10 @@ class PLC:
         self._engine.after_scan.append(_with_plc(function, self))
         return function
 
+    def on_progress(self, function: Callable[[int, int], None] | None) -> None:
+        """Call a function (scans done, scans wanted) some twenty times a second of wall clock during long runs."""
+        self._engine.between_calls = function
+
     def schedule(self, path: str, value, at: Time, *, force: bool = False) -> None:
         """Write or force a variable before the scan that starts at a virtual time. Raises as writing does."""
         place = self.place(path)
@@ -210,9 +214,8 @@ class PLC:
 
     def parse_value(self, path: str, text: str):
         """The Python value of an ST literal for a variable. Raises PathError, TypeError, ValueError."""
-        from stcore.parser import parse_initializer
-
         from stcore.diagnostics import Reporter
+        from stcore.parser import parse_initializer
         from stcore.source import Source
 
         place = self.place(path)

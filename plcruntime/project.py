@@ -115,10 +115,10 @@ def _article(kind: str) -> str:
 
 
 def _near(key: str, known) -> str:
-    import difflib
+    from stcore.near import near
 
-    near = difflib.get_close_matches(key, list(known), n=1)
-    return f"; did you mean {near[0]}?" if near else ""
+    hint = near(key, known)
+    return f"; {hint}" if hint else ""
 
 
 def _duration(path: Path, where: str, value, least: int = 1) -> int | None:

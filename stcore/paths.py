@@ -307,8 +307,7 @@ def _known(program: Program) -> list[str]:
 
 
 def _near(name: str, known: list[str]) -> str:
-    import difflib  # only a mistake needs it
+    from stcore.near import near  # only a mistake needs it, and what it imports
 
-    spelling = {k.upper(): k for k in known}
-    near = difflib.get_close_matches(name.upper(), spelling, n=3, cutoff=0.6)
-    return f"; did you mean {' or '.join(spelling[n] for n in near)}?" if near else ""
+    hint = near(name, known)
+    return f"; {hint}" if hint else ""

@@ -8,8 +8,7 @@ from __future__ import annotations
 import struct
 import threading
 
-from stcore.machine import Fault
-
+from stcore.faults import Fault
 from stcore.program import (
     FORCES,
     INTERRUPT,
@@ -20,6 +19,7 @@ from stcore.program import (
     TRACE_END,
     TRACE_NEXT,
     Program,
+    Site,
     TaskSpec,
     Variable,
 )  # fmt: skip
@@ -109,10 +109,10 @@ class FakeMachine:
         self._bytes = bytearray(1 << 22)
         self._top = program.limit
         self._until = None
-        self.until_reached = False
         self.calls: list[int] = []
         self._stop = threading.Event()
         self._root = program.variables["PLC_PRG"]
+        self.initialise()
 
     @property
     def memory(self) -> memoryview:
@@ -130,6 +130,13 @@ class FakeMachine:
     def set_until(self, condition) -> None:
         self._until = condition
 
+    def until_holds(self) -> bool:
+        return bool(self._until(self))
+
+    def clear_interrupt(self) -> None:
+        struct.pack_into("<i", self._bytes, INTERRUPT, 0)
+        self._stop.clear()
+
     def interrupt(self) -> None:
         struct.pack_into("<i", self._bytes, INTERRUPT, 1)
         self._stop.set()
@@ -145,12 +152,9 @@ class FakeMachine:
 
     def run(self, scans: int) -> int:
         self.calls.append(scans)
-        self.until_reached = False
-        self._stop.clear()
         for done in range(1, scans + 1):
             self._scan()
             if self._until and self._until(self):
-                self.until_reached = True
                 return done
         return scans
 
@@ -166,10 +170,10 @@ class FakeMachine:
         if self._get("?", "RUN"):
             self._set("d", "POSITION", self._get("d", "POSITION") + self._get("d", "VELOCITY"))
         if self._get("?", "DIVIDE"):
-            raise Fault("F0102", "division by zero", "prog.st", 7, 3, "PLC_PRG", number, "")
+            raise Fault("F0102", "division by zero", Site("prog.st", 7, 3, "PLC_PRG"), "PLC_PRG", number, "")
         if self._get("?", "ENDLESS"):
             assert self._stop.wait(30), "nobody interrupted an endless loop"
-            raise Fault("F0108", "endless loop", "prog.st", 9, 3, "PLC_PRG", number, "")
+            raise Fault("F0108", "endless loop", Site("prog.st", 9, 3, "PLC_PRG"), "PLC_PRG", number, "")
         self._forces()
         self._row()
         struct.pack_into("<q", self._bytes, SCAN, number + 1)

@@ -6,10 +6,10 @@ import time
 
 import pytest
 from fake_machine import FakeMachine, program
-from stcore.machine import Fault
 
 from plcruntime.errors import ConditionTimeout
 from plcruntime.plc import PLC
+from stcore.faults import Fault
 from stcore.paths import PathError
 from stcore.program import INTERVAL, TASK_RATIOS, TaskSpec
 
@@ -373,7 +373,7 @@ def test_axes(plc):
     assert len(plc.axes) == 2
     axis = plc.axes[1]
     plc["SIM.Axis[1].prfPos"] = 12.5
-    assert axis.position == 12.5 and axis.prfVel == 0.0
+    assert axis.prfPos == axis.PRFPOS == 12.5 and axis.prfVel == 0.0
     axis.drive.alarm = True
     assert plc["SIM.Axis[1].drive.alarm"] is True
     assert "prfPos" in dir(axis)

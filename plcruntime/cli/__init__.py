@@ -1,0 +1,90 @@
+"""The command line: ``scancycle`` (or ``scy``). One module a subcommand, imported when it is called for."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+import sys
+
+DONE, FAILED, USAGE, NOT_REACHED, INTERRUPTED = 0, 1, 2, 3, 130
+VALUE_HELP = "VAR=VALUE[@TIME]: VALUE as in ST, TIME as 10ms or #120 (scans)"
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run a command; gives the exit code: 0 done, 1 errors or a fault, 2 usage, 3 --until not reached."""
+    arguments = _parser().parse_args(argv)
+    module = importlib.import_module(f"plcruntime.cli.{arguments.module}")
+    from plcruntime.errors import UsageError
+
+    try:
+        return module.execute(arguments)
+    except UsageError as error:
+        print(f"scancycle: {error}", file=sys.stderr)
+        return USAGE
+    except KeyboardInterrupt:
+        print("scancycle: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:  # the reader of our output has enough, as in `scancycle list | head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return DONE
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="scancycle", description="Runs IEC 61131-3 Structured Text on a soft PLC with simulated axes.",
+        epilog="scancycle COMMAND --help tells more; scancycle demo is the two-minute tour.",
+    )  # fmt: skip
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    _add_run(commands)
+    check = _command(commands, "check", "check", "parse and type-check; exit code 0 clean or warnings, 1 errors")
+    check.add_argument("files", nargs="+", metavar="FILE", help="an .st file, a folder or a plc.toml")
+    check.add_argument("--config", metavar="PLC.TOML", help="project settings")
+    check.add_argument("--format", choices=("text", "gcc", "json"), default="text", help="of the messages")
+    check.add_argument("--strict", action="store_true", help="a mended misprint is an error")
+    listing = _command(commands, "list", "listing", "functions and blocks of the library")
+    listing.add_argument("pattern", nargs="?", default="*", metavar="PATTERN", help="as MC_* or torque; all without")
+    listing.add_argument("--json", action="store_true", help="a list of objects")
+    explain = _command(commands, "explain", "explain", "the page of a diagnostic or a fault")
+    explain.add_argument("code", metavar="CODE", help="as E0302 or F0101")
+    _command(commands, "doctor", "doctor", "versions, cache, processor, what is missing")
+    _command(commands, "demo", "demo", "a move, its plot, and what to type next")
+    return parser
+
+
+def _command(commands, name: str, module: str, text: str) -> argparse.ArgumentParser:
+    command = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
+    command.set_defaults(module=module)
+    return command
+
+
+def _add_run(commands) -> None:
+    run = _command(commands, "run", "run", "compile and run a program in virtual time")
+    add = run.add_argument
+    add("files", nargs="+", metavar="FILE", help="an .st file, a folder or a plc.toml")
+    add("--config", metavar="PLC.TOML", help="project settings")
+    add("--task-interval", metavar="TIME", help="length of a scan where no task says otherwise (1ms)")
+    add("--for", dest="duration", metavar="TIME", help="virtual time to run (5s; with --until: its limit, 60s)")
+    add("--scans", type=int, metavar="N", help="scans to run")
+    add("--until", metavar="EXPR", help="stop when this ST expression is TRUE at the end of a scan; else exit code 3")
+    add("--set", action="append", default=[], metavar="VAR=VALUE[@TIME]", help=VALUE_HELP + "; written once")
+    add("--force", action="append", default=[], metavar="VAR=VALUE[@TIME]", help="the same, held from then on")
+    add("--watch", action="append", default=[], metavar="VAR[,VAR]", help="what to show at the end, trace and plot")
+    add(
+        "--trace",
+        metavar="OUT",
+        help="one row a scan into .csv, .npz or .html: the watched variables, else all scalars",
+    )
+    add("--plot", metavar="OUT", help="draw into .png, .svg or .html: the axes that moved and the watched variables")
+    add("--json", action="store_true", help="print one JSON object")
+    add("--strict", action="store_true", help="a mended misprint is an error")
+    add("--realtime", action="store_true", help="one second takes one second")
+    add(
+        "--watchdog",
+        metavar="TIME",
+        help="wall clock that one scan may take before it is an endless loop (2s; 0s: none)",
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,28 @@
+"""``scancycle check``: all messages of the files, in one pass."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from plcruntime import sources
+from plcruntime.cli import DONE, FAILED, output
+from stcore.diagnostics import as_json, gcc
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    import mclib
+    import stcore
+
+    files, project = sources.gather(arguments.files, arguments.config)
+    libraries = [*project.libraries, mclib.LIBRARY]
+    diagnostics = stcore.check(files, libraries=libraries, strict=arguments.strict or project.strict)
+    if arguments.format == "json":
+        print(as_json(diagnostics))
+    elif arguments.format == "gcc":
+        for d in diagnostics:
+            print(gcc(d))
+    else:
+        output.print_diagnostics(diagnostics)
+        print(output.summary(diagnostics), file=sys.stderr if diagnostics else sys.stdout)
+    return FAILED if any(d.severity == "error" for d in diagnostics) else DONE

@@ -1,0 +1,282 @@
+"""``scancycle run``: everything is checked before the first scan, so that nothing is half-run."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import time
+from dataclasses import asdict
+from pathlib import Path
+
+from plcruntime import durations, report, stimuli
+from plcruntime.cli import DONE, FAILED, INTERRUPTED, NOT_REACHED, output
+from plcruntime.errors import ConditionTimeout, UsageError
+from stcore.diagnostics import CompileError
+from stcore.paths import PathError
+
+DURATION, UNTIL_LIMIT = "5s", "60s"
+TRACES, PLOTS = (".csv", ".npz", ".html"), (".png", ".svg", ".html")
+SHOWN = 60  # characters of a value in the table
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    _check_arguments(arguments)
+    began = time.perf_counter()
+    try:
+        plc = _load(arguments)
+    except CompileError as error:
+        return _not_compiled(arguments, error)
+    run = Run(plc, arguments, time.perf_counter() - began)
+    return run.execute()
+
+
+def _check_arguments(arguments: argparse.Namespace) -> None:
+    """What can be seen to be wrong before anything is read."""
+    if arguments.scans is not None and arguments.duration:
+        raise UsageError("--for and --scans both say how long to run; give one")
+    if arguments.scans is not None and arguments.scans < 0:
+        raise UsageError("--scans takes a number that is not negative")
+    for option in ("task_interval", "duration", "watchdog"):
+        text = getattr(arguments, option)
+        name = "--for" if option == "duration" else "--" + option.replace("_", "-")
+        if text is not None and not (option == "duration" and text.startswith("#")):
+            ns = _duration(name, text)
+            if option == "task_interval" and ns <= 0:
+                raise UsageError(f"{name}: an interval must be longer than 0")
+    for option, suffixes in (("trace", TRACES), ("plot", PLOTS)):
+        path = getattr(arguments, option)
+        if path:
+            _check_output(f"--{option}", Path(path), suffixes)
+
+
+def _duration(name: str, text: str) -> int:
+    try:
+        return durations.nanoseconds(text)
+    except ValueError as error:
+        raise UsageError(f"{name}: {error}") from None
+
+
+def _check_output(option: str, path: Path, suffixes: tuple[str, ...]) -> None:
+    if path.suffix.lower() not in suffixes:
+        raise UsageError(f"{option} {path}: the name must end with {', '.join(suffixes)}")
+    folder = path.parent
+    if not folder.is_dir():
+        raise UsageError(f"{option} {path}: there is no folder {folder}")
+    if path.is_dir() or not os.access(path if path.exists() else folder, os.W_OK):
+        raise UsageError(f"{option} {path}: can't be written")
+
+
+def _load(arguments: argparse.Namespace):
+    from plcruntime.plc import PLC
+
+    watchdog = durations.nanoseconds(arguments.watchdog) / 1e9 if arguments.watchdog else None
+    return PLC.load(
+        arguments.files,
+        interval=arguments.task_interval,
+        config=arguments.config,
+        strict=arguments.strict,
+        watchdog=watchdog,
+    )
+
+
+def _not_compiled(arguments: argparse.Namespace, error: CompileError) -> int:
+    output.print_diagnostics(error.diagnostics)
+    print(f"{output.summary(error.diagnostics)}; nothing was run", file=sys.stderr)
+    if arguments.json:
+        result = {
+            "scans": 0,
+            "time": 0.0,
+            "stopped": "error",
+            "fault": None,
+            "diagnostics": _as_objects(error.diagnostics),
+        }
+        print(output.to_json({**result, "vars": {}, "timing": None}))
+    return FAILED
+
+
+def _as_objects(diagnostics) -> list[dict]:
+    return [asdict(d) for d in diagnostics]
+
+
+def split_names(options: list[str]) -> list[str]:
+    """The names of ``--watch a,b[1,2] --watch c``: commas inside brackets do not divide."""
+    names, depth, start = [], 0, 0
+    text = ",".join(options)
+    for i, c in enumerate(text + ","):
+        depth += (c == "[") - (c == "]")
+        if c == "," and depth <= 0:
+            names.append(text[start:i].strip())
+            start = i + 1
+    return [n for n in names if n]
+
+
+class Run:
+    """One run of the command, from the loaded PLC to the exit code."""
+
+    def __init__(self, plc, arguments: argparse.Namespace, compile_s: float) -> None:
+        self.plc, self.arguments, self.compile_s = plc, arguments, compile_s
+        self.stopped = "for"
+        try:
+            self.watched = [plc.place(name).name for name in split_names(arguments.watch)]
+        except PathError as error:
+            raise UsageError(f"--watch: {error}") from None
+        for option in ("set", "force"):
+            for text in getattr(arguments, option):
+                plc.stimulate(stimuli.parse(text), force=option == "force")
+        self.count = self._scans_to_run()
+        self.trace, self.picture = self._record()
+
+    def _scans_to_run(self) -> int:
+        if self.arguments.scans is not None:
+            return self.arguments.scans
+        text = self.arguments.duration or (UNTIL_LIMIT if self.arguments.until else DURATION)
+        try:
+            return durations.scans(text, round(self.plc.interval * 1e9))
+        except ValueError as error:
+            raise UsageError(f"--for: {error}") from None
+
+    def _record(self):
+        """(what goes into the trace file, what is drawn)"""
+        trace = picture = None
+        try:
+            if self.arguments.trace:
+                trace = self.plc.trace(*self.watched)
+            if self.arguments.plot:
+                from plcruntime.picture import axis_names
+
+                names = [*axis_names(self.plc, self.count), *(self.watched or self._scalars())]
+                picture = self.plc.trace(*names) if names else self.plc.trace()
+        except ValueError as error:
+            raise UsageError(str(error)) from None
+        return trace, picture
+
+    def _scalars(self) -> list[str]:
+        from stcore.paths import is_scalar, user_places
+
+        return [p.name for p in user_places(self.plc.program) if is_scalar(p)]
+
+    def execute(self) -> int:
+        if not self.arguments.json:
+            output.print_diagnostics(self.plc.diagnostics)
+        progress = output.Progress(self.plc.interval)
+        self.plc.on_progress(progress)
+        code = DONE
+        began = time.perf_counter()
+        try:
+            self._run()
+        except ConditionTimeout as error:
+            self.stopped, code = "until not reached", NOT_REACHED
+            self._say(str(error))
+        except KeyboardInterrupt:
+            self.stopped, code = "interrupt", INTERRUPTED
+        except CompileError as error:
+            return self._wrong_condition(error)
+        finally:
+            progress.end()
+        self.wall_s = time.perf_counter() - began
+        if self.plc.fault and self.stopped != "interrupt":
+            self.stopped, code = "fault", FAILED
+        self._show()
+        self._write_files()
+        return code
+
+    def _run(self) -> None:
+        from stcore.faults import Fault
+
+        try:
+            if self.arguments.until:
+                self.plc.run_until(self.arguments.until, f"#{self.count}", realtime=self.arguments.realtime)
+                self.stopped = "until"
+            else:
+                self.plc.run(f"#{self.count}", realtime=self.arguments.realtime)
+                self.stopped = "scans" if self.arguments.scans is not None else "for"
+        except Fault:
+            return  # plc.fault tells it; the image, traces and plots are shown all the same
+
+    def _wrong_condition(self, error: CompileError) -> int:
+        output.print_diagnostics(error.diagnostics)
+        raise UsageError(f"--until: '{self.arguments.until}' is not a condition of this program")
+
+    def _say(self, text: str) -> None:
+        print(f"scancycle: {text}", file=sys.stderr)
+
+    # ------------------------------------------------------------------------------------------ results
+
+    def _show(self) -> None:
+        plc = self.plc
+        if plc.fault:
+            print(report.fault_text(plc.fault, plc.time), file=sys.stderr)
+        if self.stopped == "interrupt":
+            self._say(f"interrupted after {plc.scans} scans, at {plc.time:.9g} s")
+        if self.arguments.json:
+            print(output.to_json(self._result()))
+        else:
+            self._print_values()
+            self._print_summary()
+
+    def _result(self) -> dict:
+        plc = self.plc
+        speed = plc.time / plc.run_seconds if plc.run_seconds else None
+        return {
+            "scans": plc.scans, "time": plc.time, "stopped": self.stopped,
+            "fault": report.fault_json(plc.fault, plc.time) if plc.fault else None,
+            "diagnostics": _as_objects(plc.diagnostics), "vars": self._values(),
+            "timing": {"compile_s": self.compile_s, "run_s": plc.run_seconds, "real_time_factor": speed},
+        }  # fmt: skip
+
+    def _values(self) -> dict:
+        if not self.watched:
+            return self.plc.variables()
+        return {name: self._value(name) for name in self.watched}
+
+    def _value(self, name: str):
+        try:
+            return self.plc[name]
+        except PathError:  # behind a pointer that is NULL at the end
+            return None
+
+    def _print_values(self) -> None:
+        rows = []
+        for name in self.watched or list(self.plc.variables()):
+            value = self._value(name)
+            shown = "NULL" if value is None else self.plc.show(name)
+            place = self.plc.place(name)
+            rows.append(
+                (name, shown if len(shown) <= SHOWN or self.watched else shown[: SHOWN - 3] + "...", str(place.type))
+            )
+        if rows:
+            output.print_table(("variable", "value", "type"), rows)
+
+    def _print_summary(self) -> None:
+        plc = self.plc
+        seconds = plc.run_seconds
+        speed = f", {plc.time / seconds:,.0f} times real time" if seconds and not self.arguments.realtime else ""
+        print(
+            f"{plc.scans} scans of {durations.text(round(plc.interval * 1e9))}: {plc.time:.9g} s of virtual time "
+            f"in {seconds:.3g} s{speed}; stopped: {self.stopped}"
+        )
+
+    def _write_files(self) -> None:
+        title = ", ".join(Path(f).name for f in self.arguments.files)
+        for trace, path in ((self.trace, self.arguments.trace), (self.picture, self.arguments.plot)):
+            if trace is None:
+                continue
+            try:
+                self._write(trace, path, title)
+            except OSError as error:
+                raise UsageError(f"can't write {path}: {error.strerror or error}") from None
+            if not self.arguments.json:
+                print(f"wrote {path}")
+
+    def _write(self, trace, path: str, title: str) -> None:
+        suffix = Path(path).suffix.lower()
+        if trace is self.trace and suffix == ".csv":
+            trace.to_csv(path)
+        elif trace is self.trace and suffix == ".npz":
+            trace.to_npz(path)
+        else:
+            from plcruntime.plot import draw
+
+            watched = self.watched or (trace.names if trace is self.trace else None)
+            draw(trace, path, plc=self.plc, title=title, watched=watched or None)
