@@ -48,8 +48,8 @@ class Members:
 class Axes:
     """Axes of the simulator by number (from 1) or by the name in plc.toml. Empty when the program moves none.
 
-    ``plc.axes[1].position`` and ``.velocity`` are the motor's, in pulse and pulse/ms, ``.status`` is the status word; all
-    members are in mclib/library/sim/SimAxis.st. They can be written too: ``plc.axes[1].switches.positive = True``.
+    ``plc.axes[1].position`` and ``.velocity`` are the motor's, in pulse and pulse/ms, ``.status`` is the status word;
+    mclib/library/sim/SimAxis.st has all members. They can be written too: ``plc.axes[1].switches.positive = True``.
     """
 
     def __init__(self, plc: PLC) -> None:

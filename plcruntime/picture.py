@@ -52,7 +52,7 @@ class Picture:
 
 
 def axis_names(plc: PLC, scans: int) -> list[str]:
-    """Paths to trace so that the curves of the axes can be drawn; as many axes as memory allows for a run of `scans`."""
+    """Paths to trace so that the curves of the axes can be drawn; as many axes as memory allows for `scans` scans."""
     numbers = list(plc.axes.numbers)
     numbers = numbers[: max(8, AXIS_BYTES // (max(1, scans) * 27))]
     return [f"{ROOT}[{n}].{member}" for n in numbers for member in (*CURVES, *FLAGS) if _there(plc, n, member)]
@@ -168,7 +168,7 @@ def _axis_panels(plc: PLC, trace: Trace, numbers: list[int]) -> list[Panel]:
 
 
 def _units(plc: PLC, number: int) -> tuple[tuple[str, str, str], float, float]:
-    """(names of the units, pulses per unit, pulses at 0). An AXIS_REF_SM3 counts in units and s, GT_ in pulses and ms."""
+    """(names of the units, pulses per unit, pulses at 0): u and s for an AXIS_REF_SM3, pulses and ms for GT_."""
     axis = plc.axes[number]
     try:
         reference, scale, zero = axis.ref, axis.scale, axis.zero

@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from plcruntime import durations, sources
-from plcruntime.axes import Axes
+from plcruntime.axes import ROOT, Axes
 from plcruntime.engine import Engine
 from plcruntime.errors import ConditionTimeout, UsageError
 from plcruntime.project import Project
@@ -46,7 +46,9 @@ class PLC:
         watchdog: float | None = None, machine: Callable | None = None,
     ) -> None:  # fmt: skip
         """program: as stcore.compile gives it. interval: of a scan, 1 ms if None. watchdog: s of wall clock that one
-        scan may take, 0 for no limit. machine: what runs the program, wasmtime if None. Raises ValueError for a bad interval."""
+        scan may take, 0 for no limit. machine: what runs the program, wasmtime if None.
+
+        Raises ValueError for a bad interval, Fault when an initial value can't be worked out."""
         self.program = program
         self.project = project or Project()
         limit = watchdog if watchdog is not None else self.project.watchdog
@@ -91,7 +93,7 @@ class PLC:
         return values.read(self._machine.memory, self.place(path))
 
     def __setitem__(self, path: str, value) -> None:
-        """Write a variable now, before the next scan. Raises PathError, TypeError, ValueError; then nothing is written."""
+        """Write a variable now, before the next scan. Raises PathError, TypeError, ValueError and then writes nothing."""
         self._engine.write(self._pieces(self.place(path), value))
 
     def show(self, path: str) -> str:
@@ -309,8 +311,22 @@ class PLC:
         self._configure()
 
     def _configure(self) -> None:
+        """What the configuration says of the axes, and which axis of the program is which of the simulator."""
         if self._bind:
             self._bind(self)
+        if not len(self.axes):
+            return
+        for axis in self.project.axes:
+            for member, value in axis.members.items():
+                try:
+                    self[f"{ROOT}[{axis.number}].{member}"] = value
+                except PathError as error:
+                    needs = f"{self.project.path}: axis {axis.number}: {axis.keys[member]}"
+                    if member.startswith("ref^"):
+                        raise UsageError(f"{needs} needs an AXIS_REF_SM3 in the program for it") from error
+                    raise UsageError(f"{needs}: {error}") from error
+                except (TypeError, ValueError) as error:
+                    raise UsageError(f"{self.project.path}: {error}") from error
 
 
 def build(

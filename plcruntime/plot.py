@@ -126,9 +126,10 @@ def _extremes(ax, curve: Curve, position: bool) -> None:
     for mark in marks:
         ax.axhline(mark, color=COLOURS[1], linewidth=0.8, linestyle=(0, (2, 3)))
         what = "end" if position else "max" if mark > 0 else "min"
+        up = mark >= 0
         ax.annotate(
-            f"{what} {mark:.7g} {curve.unit}", (1.0, mark), xycoords=("axes fraction", "data"), xytext=(-4, 3 if mark >= 0 else -3),
-            textcoords="offset points", ha="right", va="bottom" if mark >= 0 else "top", fontsize=8, color=COLOURS[1],
+            f"{what} {mark:.7g} {curve.unit}", (1.0, mark), xycoords=("axes fraction", "data"), ha="right",
+            xytext=(-4, 3 if up else -3), textcoords="offset points", va="bottom" if up else "top", fontsize=8, color=COLOURS[1],
         )  # fmt: skip
     if not position:
         ax.axhline(0, color=FAINT, linewidth=0.6)

@@ -16,8 +16,9 @@ _PAGE = """<!doctype html>
 body {{ margin: 1.5rem auto; max-width: 78rem; font: 14px/1.4 system-ui, sans-serif; color: #22303c; background: #fff }}
 main {{ display: grid; grid-template-columns: minmax(0, 1fr) 16rem; gap: 1rem; align-items: start }}
 svg {{ width: 100%; height: auto; cursor: crosshair }}
-table {{ border-collapse: collapse; width: 100%; position: sticky; top: 1rem; font-size: 13px }}
-td {{ padding: 2px 4px; border-bottom: 1px solid #e6eaed }} td + td {{ text-align: right; font-variant-numeric: tabular-nums }}
+table {{ border-collapse: collapse; width: 100%; font-size: 13px }}
+td {{ padding: 2px 4px; border-bottom: 1px solid #e6eaed }}
+td + td {{ text-align: right; font-variant-numeric: tabular-nums }}
 caption {{ text-align: left; font-weight: 600; padding: 4px }}
 p {{ color: #66727c; font-size: 12px }}
 </style></head><body>
@@ -30,8 +31,8 @@ const data = JSON.parse(document.getElementById("data").textContent);
 const plot = document.getElementById("plot"), svg = plot.querySelector("svg"), box = svg.viewBox.baseVal;
 const left = data.box[0] * box.width, width = data.box[2] * box.width;
 const line = document.createElementNS("http://www.w3.org/2000/svg", "line");
-for (const [k, v] of Object.entries({{ y1: data.top * box.height, y2: data.bottom * box.height, stroke: "#c8502d", "stroke-width": 0.8 }}))
-  line.setAttribute(k, v);
+const fixed = {{ y1: data.top * box.height, y2: data.bottom * box.height, stroke: "#c8502d", "stroke-width": 0.8 }};
+for (const [k, v] of Object.entries(fixed)) line.setAttribute(k, v);
 svg.appendChild(line);
 const first = data.time[0], last = data.end, body = document.getElementById("values");
 const cells = data.columns.map(c => {{

@@ -22,18 +22,35 @@ KEYS: dict[str, dict[str, str]] = {
         "files": "list of texts", "interval": "duration", "libraries": "list of texts", "watchdog": "duration",
         "strict": "TRUE or FALSE",
     },
-    "task": {"name": "text", "program": "text", "programs": "list of texts", "interval": "duration", "priority": "whole number"},
-    "axis": {"number": "whole number", "name": "text", "set": "table"},
+    "task": {
+        "name": "text", "program": "text", "programs": "list of texts", "interval": "duration", "priority": "whole number",
+    },
+    "axis": {
+        "number": "whole number", "name": "text", "lag": "duration", "resolution": "number", "inertia": "number",
+        "soft_positive": "number", "soft_negative": "number", "following_error": "whole number", "stop_smooth": "number",
+        "stop_abrupt": "number", "pulses_per_unit": "number", "modulo": "number", "max_velocity": "number",
+        "max_acceleration": "number", "max_deceleration": "number", "max_jerk": "number",
+    },
+}  # fmt: skip
+
+# key of an axis -> members of the simulator's axis (mclib/library/sim/SimAxis.st); ref^ is the program's AXIS_REF_SM3
+MEMBERS: dict[str, str] = {
+    "lag": "drive.lag", "resolution": "drive.resolution", "inertia": "drive.inertia", "soft_positive": "softPositive",
+    "soft_negative": "softNegative", "following_error": "posErr", "stop_smooth": "decSmooth", "stop_abrupt": "decAbrupt",
+    "pulses_per_unit": "ref^.fScalefactor", "modulo": "ref^.fPositionPeriod", "max_velocity": "ref^.fSWMaxVelocity",
+    "max_acceleration": "ref^.fSWMaxAcceleration", "max_deceleration": "ref^.fSWMaxDeceleration",
+    "max_jerk": "ref^.fSWMaxJerk",
 }  # fmt: skip
 
 
 @dataclass(slots=True)
 class Axis:
-    """An axis of the configuration. members: simulator member (dots for nested ones) -> first value."""
+    """An axis of the configuration. members: path below the simulator's axis -> first value; keys: their names."""
 
     number: int
     name: str = ""
     members: dict[str, Any] = field(default_factory=dict)
+    keys: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(slots=True)
@@ -102,6 +119,8 @@ def _fits(kind: str, value: Any) -> bool:
         return isinstance(value, list) and all(isinstance(v, str) for v in value)
     if kind == "whole number":
         return isinstance(value, int) and not isinstance(value, bool)
+    if kind == "number":
+        return isinstance(value, int | float) and not isinstance(value, bool)
     wanted = {"table": dict, "text": str, "duration": str | int | float, "TRUE or FALSE": bool}[kind]
     return isinstance(value, wanted) and not (kind == "duration" and isinstance(value, bool))
 
@@ -147,16 +166,19 @@ def _axes(path: Path, tables: list[dict]) -> list[Axis]:
     for table in tables:
         number = table.get("number", len(axes) + 1)
         if number < 1 or any(a.number == number for a in axes):
-            raise UsageError(
-                f"{path}: axis number {number} " + ("is there twice" if number > 0 else "is not 1 or more")
-            )
-        axes.append(Axis(number, table.get("name", ""), dict(_flattened(table.get("set", {})))))
+            problem = "is there twice" if number > 0 else "is not 1 or more"
+            raise UsageError(f"{path}: axis number {number} {problem}")
+        axis = Axis(number, table.get("name", ""))
+        for key, member in MEMBERS.items():
+            if key in table:
+                axis.members[member] = _in_ms(path, number, table[key]) if key == "lag" else table[key]
+                axis.keys[member] = key
+        if "modulo" in table:
+            axis.members["ref^.iMovementType"] = 0
+            axis.keys["ref^.iMovementType"] = "modulo"
+        axes.append(axis)
     return axes
 
 
-def _flattened(table: dict, prefix: str = ""):
-    for key, value in table.items():
-        if isinstance(value, dict):
-            yield from _flattened(value, f"{prefix}{key}.")
-        else:
-            yield prefix + key, value
+def _in_ms(path: Path, number: int, value) -> float:
+    return (_duration(path, f"axis {number}: lag", value, 0) or 0) / 1e6

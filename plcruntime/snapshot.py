@@ -55,7 +55,7 @@ class Frame:
 
 
 class History:
-    """Keyframes and journal of one PLC. A journal entry is (scan, action): the action was taken before that scan ran."""
+    """Keyframes and journal of one PLC. A journal entry is (scan, action), taken before that scan ran."""
 
     def __init__(self) -> None:
         self.frames: list[Frame] = []

@@ -13,8 +13,12 @@ from plcruntime.cli import DONE, FAILED, output
 
 NEEDED = ("lark", "wasmtime", "numpy")
 EXTRAS = {
-    "matplotlib": "--plot", "rich": "tables", "prompt_toolkit": "the prompt", "pytest": "tests in Python", "plotly": "reports",
-}  # fmt: skip
+    "matplotlib": "--plot",
+    "rich": "tables",
+    "prompt_toolkit": "the prompt",
+    "pytest": "tests in Python",
+    "plotly": "reports",
+}
 
 
 def execute(arguments: argparse.Namespace) -> int:

@@ -86,8 +86,8 @@ def program() -> Program:
     at = BASE + 64
     variables = {}
     for v in (
-        Variable("PLC_PRG", "PLC_PRG", main, 0), Variable("Other", "Other", other, 0), Variable("gain", "GVL.gain", LREAL, 0),
-        Variable("Axis", "SIM.Axis", axes, 0, library=True),
+        Variable("PLC_PRG", "PLC_PRG", main, 0), Variable("Other", "Other", other, 0),
+        Variable("gain", "GVL.gain", LREAL, 0), Variable("Axis", "SIM.Axis", axes, 0, library=True),
     ):  # fmt: skip
         v.address = at
         at += -(-v.type.size // 8) * 8
