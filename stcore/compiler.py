@@ -34,7 +34,7 @@ def compile(  # noqa: A001 - the verb that users know
             return program
     from stcore.build_program import build  # the compiler proper is not loaded for a build that is kept
 
-    program, used = build(sources, tasks, [LIBRARY, *libraries], strict)
+    program, used = build(sources, tasks, [LIBRARY, *map(Path, libraries)], strict)
     cache.store("build", key, _pack(program, used))
     return program
 
@@ -43,7 +43,7 @@ def check(files: Files, *, libraries: Sequence[Path] = (), strict: bool = False)
     """All diagnostics of the files, in order; no module is made."""
     from stcore.build_program import check_only
 
-    return check_only(_sources(files), [LIBRARY, *libraries], strict)
+    return check_only(_sources(files), [LIBRARY, *map(Path, libraries)], strict)
 
 
 def compile_condition(program: Program, text: str) -> bytes:

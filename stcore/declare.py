@@ -57,7 +57,8 @@ class Declarer:
                 return t.String(min(max(length, 1), 65535), node.wide)
             case s.ArrayOf():
                 element = self.type(node.element, pou=pou)
-                return t.Array(element, self._bounds(node, pou))
+                bounds = self._bounds(node, pou)
+                return t.Array(element, bounds, 0 if bounds else len(node.dims))
             case s.PointerTo():
                 return t.Pointer(self._pointee(node.target, pou))
             case s.ReferenceTo():
@@ -311,6 +312,7 @@ class Declarer:
             if var.owner is not pou or var.storage == "local":
                 continue
             size, alignment = (4, 4) if var.indirect else (var.type.size, var.type.align)
+            size += 8 * getattr(var.type, "open", 0)  # low and high of each dimension of ARRAY[*]
             if var.storage == "this":
                 var.address = align(block.size, alignment)
                 block.size = var.address + size

@@ -47,13 +47,13 @@ def assemble(text: str) -> bytes:
 
 def load_module(wasm: bytes) -> wasmtime.Module:
     """The module's machine code: from the cache, or compiled and kept there."""
-    key = cache.digest(wasm, wasmtime.__version__.encode())
+    key = cache.digest(wasm)
     kept = cache.load("native", key)
     if kept is not None:
         try:
             return wasmtime.Module.deserialize(engine(), kept)
         except wasmtime.WasmtimeError:
-            kept = None  # made on another processor or by another build: compile again
+            kept = None  # made on another processor or by another wasmtime: compile again
     module = wasmtime.Module(engine(), wasm)
     cache.store("native", key, bytes(module.serialize()))
     return module

@@ -10,7 +10,6 @@ Names keep the spelling of the source; every comparison in the compiler folds ca
 
 from __future__ import annotations
 
-
 ANNOTATIONS = ("type", "const", "symbol")  # what the checker adds to an expression; None until then
 
 
@@ -23,10 +22,11 @@ class Node:
     def __init_subclass__(cls) -> None:
         """Write the constructor out: building a hundred thousand nodes through a loop would cost a second."""
         slots = cls.__slots__
-        cls.fields = tuple(s for s in slots if s not in ANNOTATIONS)
+        annotations = ANNOTATIONS if set(ANNOTATIONS) <= set(slots) else ()  # VarDecl has a type of its own
+        cls.fields = tuple(s for s in slots if s not in annotations)
         lines = [f"def __init__({', '.join(('self', 'start', 'end', *cls.fields))}):"]
         lines += [f"    self.{name} = {name}" for name in ("start", "end", *cls.fields)]
-        lines += [f"    self.{name} = None" for name in slots if name in ANNOTATIONS]
+        lines += [f"    self.{name} = None" for name in annotations]
         namespace: dict = {}
         exec("\n".join(lines), namespace)
         cls.__init__ = namespace["__init__"]

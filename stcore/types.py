@@ -129,16 +129,18 @@ class String(Type):
 
 @dataclass(eq=False, slots=True, repr=False)
 class Array(Type):
-    """bounds: (low, high) of each dimension, [] for ARRAY[*] (then size is 0: the caller's descriptor tells)."""
+    """bounds: (low, high) of each dimension; [] for ARRAY[*], then open is the number of dimensions and the bounds
+    come with the call."""
 
     element: Type
     bounds: list[tuple[int, int]]
+    open: int = 0
     name: str = ""
     size: int = 0
     align: int = 1
 
     def __post_init__(self) -> None:
-        dims = ", ".join(f"{a}..{b}" for a, b in self.bounds) or "*"
+        dims = ", ".join(f"{a}..{b}" for a, b in self.bounds) or ", ".join("*" * self.open)
         self.name = f"ARRAY[{dims}] OF {self.element.name}"
         self.size = self.element.size if self.bounds else 0
         for a, b in self.bounds:

@@ -30,8 +30,8 @@ from stcore.types import (
 
 FORMATS = {
     "BOOL": "?", "SINT": "b", "INT": "h", "DINT": "i", "LINT": "q", "USINT": "B", "UINT": "H", "UDINT": "I",
-    "ULINT": "Q", "BYTE": "B", "WORD": "H", "DWORD": "I", "LWORD": "Q", "REAL": "f", "LREAL": "d", "TIME": "I", "LTIME": "q",
-    "DATE": "I", "TOD": "I", "DT": "I", "LDATE": "q", "LTOD": "q", "LDT": "q", "CHAR": "B", "WCHAR": "H",
+    "ULINT": "Q", "BYTE": "B", "WORD": "H", "DWORD": "I", "LWORD": "Q", "REAL": "f", "LREAL": "d", "TIME": "I",
+    "LTIME": "q", "DATE": "I", "TOD": "I", "DT": "I", "LDATE": "q", "LTOD": "q", "LDT": "q", "CHAR": "B", "WCHAR": "H",
 }  # fmt: skip
 PER_SECOND = {
     "TIME": 1000,

@@ -256,7 +256,8 @@ class Calls(Expressions):
             return place
         strings = isinstance(given, t.String) and isinstance(wanted, t.String) and given.wide == wanted.wide
         arrays = isinstance(given, t.Array) and isinstance(wanted, t.Array)
-        open_array = arrays and not wanted.bounds and same(given.element, wanted.element)
+        dimensions = arrays and (len(given.bounds) or given.open)
+        open_array = arrays and wanted.open == dimensions and same(given.element, wanted.element)
         if strings and given.length < wanted.length and not constant:
             self.warn("W0401", arg, given=given, wanted=wanted, what=what)
         elif not (same(given, wanted) or strings or open_array or t.base_of(given) is t.base_of(wanted)):

@@ -217,6 +217,9 @@ class Names(Conversions):
     def _array_element(self, node: s.Index, kind: t.Array) -> s.Node:
         bounds = kind.bounds
         if not bounds:
+            if len(node.indices) != kind.open:
+                self.error("E0313", node, name=self.text(node.base), wanted=kind.open, given=len(node.indices))
+                return self.wrong(node)
             node.type = kind.element
             return node
         if len(node.indices) > len(bounds) and isinstance(kind.element, t.Array):

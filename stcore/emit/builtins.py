@@ -151,6 +151,19 @@ def _memset(e, node: s.Call, call: BuiltinCall) -> str:
     return f"(block (result i32) {mark} (memory.fill (local.tee {temp} {to}) {value} {count}) (local.get {temp}))"
 
 
+def _bound(e, node: s.Call, call: BuiltinCall) -> str:
+    """LOWER_BOUND, UPPER_BOUND of ARRAY[*]."""
+    array, dimension = call.args
+    pairs = e.bounds_of(array)
+    values = [pair[call.name == "UPPER_BOUND"] for pair in pairs]
+    if isinstance(dimension.const, int):
+        return values[min(max(dimension.const, 1), len(values)) - 1]
+    text, which = values[-1], e.temp("i32")
+    for i in range(len(values) - 1, 0, -1):
+        text = f"(if (result i32) (i32.le_s (local.get {which}) (i32.const {i})) (then {values[i - 1]}) (else {text}))"
+    return f"(block (result i32) (local.set {which} {e.value(dimension)}) {text})"
+
+
 def _instruction(name: str) -> Callable:
     def emit(e, node: s.Call, call: BuiltinCall) -> str:
         return f"({name} {' '.join(e.value(a) for a in call.args)})"
@@ -169,7 +182,7 @@ def _sqrt(e, node: s.Call, call: BuiltinCall) -> str:
 EMIT: dict[str, Callable] = {
     "ABS": _abs, "SQRT": _sqrt, "MIN": _extreme("lt"), "MAX": _extreme("gt"), "LIMIT": _limit, "SEL": _sel, "MUX": _mux,
     "TRUNC": _trunc, "TRUNC_INT": _trunc, "SHL": _shift, "SHR": _shift, "ROL": _rotate, "ROR": _rotate, "ADR": _adr,
-    "MEMMOVE": _memmove, "MEMSET": _memset, "__FLOOR": _instruction("f64.floor"), "__CEIL": _instruction("f64.ceil"),
+    "LOWER_BOUND": _bound, "UPPER_BOUND": _bound, "MEMMOVE": _memmove, "MEMSET": _memset, "__FLOOR": _instruction("f64.floor"), "__CEIL": _instruction("f64.ceil"),
     "__NEAREST": _instruction("f64.nearest"), "__COPYSIGN": _instruction("f64.copysign"),
     "__BITS": _instruction("i64.reinterpret_f64"), "__LREAL": _instruction("f64.reinterpret_i64"),
     "__REAL_BITS": _instruction("i32.reinterpret_f32"), "__REAL": _instruction("f32.reinterpret_i32"),

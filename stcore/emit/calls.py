@@ -36,7 +36,7 @@ class Calls(Expressions):
         """The result of a function; its outputs are stored on the way."""
         pou = call.pou
         self.module.need(pou)
-        args = [self._argument(p, v) for p, v in call.values]
+        args = [self._argument(p, v) + self._open_bounds(p, v) for p, v in call.values]
         outputs = dict((p, v) for p, v in call.outputs)
         args += [self._aggregate_output(p, outputs.get(p)) for p in aggregate_outputs(pou)]
         result = pou.result.type if pou.result is not None else None
@@ -83,6 +83,14 @@ class Calls(Expressions):
             return self.value(node) if isinstance(node.const, str) else self.address_of(node)
         return self._default(parameter) if node is None else self.narrow(node)
 
+    def _open_bounds(self, parameter: Var, node: s.Node | None) -> str:
+        """ARRAY[*]: the bounds go with the address."""
+        dimensions = getattr(parameter.type, "open", 0)
+        if not dimensions:
+            return ""
+        pairs = self.bounds_of(node) if node is not None else [("(i32.const 0)", "(i32.const -1)")] * dimensions
+        return " " + " ".join(x for pair in pairs for x in pair)
+
     def _aggregate_output(self, parameter: Var, place: s.Node | None) -> str:
         if place is not None:
             return self.address_of(place)
@@ -120,6 +128,9 @@ class Calls(Expressions):
         for parameter, place in call.in_outs:
             text = self._argument(parameter, place)
             self.line(store(t.DWORD, base, offset + parameter.address, text))
+            if getattr(parameter.type, "open", 0) and place is not None:
+                for i, bound in enumerate(x for pair in self.bounds_of(place) for x in pair):
+                    self.line(store(t.DINT, base, offset + parameter.address + 4 + 4 * i, bound))
         self.module.need(call.pou)
         self.mark(node, note=self.source.text[node.callee.start : node.callee.end])
         if call.pou.kind == "PROGRAM":

@@ -34,6 +34,7 @@ class FunctionEmitter(Statements):
         self.locals_of: dict[Var, str] = {}
         self.frame_of: dict[Var, int] = {}
         self.in_out_locals: dict[Var, str] = {}
+        self.open_locals: dict[Var, list[tuple[str, str]]] = {}  # bounds of ARRAY[*]
         self.frame_size = 0
         self.loops: list[tuple[str, str]] = []
         self.jumps: tuple = ()
@@ -154,6 +155,10 @@ class FunctionEmitter(Statements):
             name = self._name(p)
             params.append(f"(param {name} {'i32' if p.indirect else wasm_type(p.type)})")
             self._take_parameter(p, name)
+            if getattr(p.type, "open", 0):
+                bounds = [(f"{name}.low{d}", f"{name}.high{d}") for d in range(p.type.open)]
+                params += [f"(param {x} i32)" for pair in bounds for x in pair]
+                self.open_locals[p] = bounds
         for p in aggregate_outputs(pou):
             name = self._name(p)
             params.append(f"(param {name} i32)")

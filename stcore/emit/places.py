@@ -79,6 +79,9 @@ class Places:
         if isinstance(kind, t.String):
             return self._character(node, kind)
         base, offset = self.place(node.base)
+        if kind.open:
+            text = self._open_offset(node, kind)
+            return (f"(i32.add {base} {text})" if base else text), offset
         text, fixed = self.offset_of(node, kind)
         offset += fixed
         if text:
@@ -109,3 +112,33 @@ class Places:
         if unit == 2:
             text = f"(i32.shl {text} (i32.const 1))"
         return (f"(i32.add {base} {text})" if base else text), offset
+
+    def bounds_of(self, node: s.Node) -> list[tuple[str, str]]:
+        """Low and high bound of each dimension of an array, as values."""
+        kind, var = node.type, node.symbol
+        if not kind.open:
+            return [(f"(i32.const {low})", f"(i32.const {high})") for low, high in kind.bounds]
+        if var in self.open_locals:
+            return [(f"(local.get {low})", f"(local.get {high})") for low, high in self.open_locals[var]]
+        base, offset = self.this_place()
+        offset += var.address + 4
+        return [tuple(load(t.DINT, base, offset + 8 * d + at) for at in (0, 4)) for d in range(kind.open)]
+
+    def _open_offset(self, node: s.Index, kind: t.Array) -> str:
+        """Byte offset of an element of ARRAY[*]."""
+        text = ""
+        for index, (low, high) in zip(node.indices, self.bounds_of(node.base), strict=True):
+            length = f"(i32.add (i32.sub {high} {low}) (i32.const 1))"
+            checked = self._checked_between(index, low, high, length)
+            text = f"(i32.add (i32.mul {text} {length}) {checked})" if text else checked
+        return f"(i32.mul {text} (i32.const {kind.element.size}))"
+
+    def _checked_between(self, index: s.Node, low: str, high: str, length: str) -> str:
+        """index - low, or the fault F0101."""
+        temp = self.temp("i32")
+        mark = self.marker(index, "F0101", self.source.text[index.start : index.end])
+        again = f"(i32.add (local.get {temp}) {low})"
+        return (
+            f"(block (result i32) (if (i32.ge_u (local.tee {temp} (i32.sub {self.value(index)} {low})) {length})"
+            f" (then {mark} (call $fault_index {again} {low} {high}) unreachable)) (local.get {temp}))"
+        )

@@ -1,0 +1,133 @@
+"""The cache on disk: parse table, syntax trees, whole builds. Everything in it can be made anew.
+
+The folder is ``$SCANCYCLE_CACHE``, else the platform's folder for caches. Where it can't be written, everything works
+without, only slower; `problem` tells why, for ``scancycle doctor``. Files are written whole or not at all; one that
+can't be read back is made anew.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+import pickle
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from stcore.diagnostics import Reporter
+    from stcore.source import Source
+    from stcore.syntax import File
+
+# the files whose change makes stored trees worthless
+_PARSER = (
+    "lexer", "pragmas", "tables", "parser", "build", "literals", "mend", "repair", "words", "syntax", "codes", "cache",
+)  # fmt: skip
+
+_problem = ""
+
+
+def cache_dir() -> Path:
+    """The folder of the cache; it may not exist yet."""
+    if named := os.environ.get("SCANCYCLE_CACHE"):
+        return Path(named)
+    if sys.platform == "win32":
+        base = os.environ.get("LOCALAPPDATA") or "~/AppData/Local"
+    elif sys.platform == "darwin":
+        base = "~/Library/Caches"
+    else:
+        base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+    return Path(os.path.expanduser(base)) / "scancycle"
+
+
+def problem() -> str:
+    """Why the cache could not be written, or '' while it could."""
+    return _problem
+
+
+def digest(*parts: bytes) -> str:
+    """A file name for what these bytes say."""
+    return hashlib.sha256(b"\0".join(parts)).hexdigest()
+
+
+def fingerprint(files: Iterable[Path]) -> bytes:
+    """Bytes that change when one of the files does (its time or size), or the version of Python."""
+    stamps = []
+    for file in files:
+        stat = file.stat()
+        stamps.append(f"{file.name} {stat.st_mtime_ns} {stat.st_size}")
+    return "\n".join((sys.version, *stamps)).encode()
+
+
+def _path(kind: str, key: str) -> Path:
+    return cache_dir() / kind / key[:2] / key
+
+
+def load(kind: str, key: str) -> bytes | None:
+    """What was stored, or None."""
+    try:
+        return _path(kind, key).read_bytes()
+    except OSError:
+        return None
+
+
+def store(kind: str, key: str, data: bytes) -> None:
+    """Keep bytes for the next run. Where that is not possible nothing happens; `problem` then knows why."""
+    global _problem
+    path = _path(kind, key)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        part = path.with_name(f"{key}.{os.getpid()}.part")
+        part.write_bytes(data)
+        os.replace(part, path)
+    except OSError as error:
+        _problem = f"the cache folder {cache_dir()} can't be written: {error.strerror or error}"
+
+
+# -------------------------------------------------------------------------------------------------- syntax trees
+
+
+@functools.cache
+def _parser_stamp() -> bytes:
+    """Changes with each file that has a part in making a tree."""
+    folder = Path(__file__).parent
+    names = [folder / f"{name}.py" for name in _PARSER]
+    return fingerprint([folder / "grammar.lark", *(f for f in names if f.exists())])
+
+
+def parse_cached(source: Source, reporter: Reporter) -> File:
+    """`stcore.parser.parse`, or the tree of the same text from an earlier run, with the warnings it gave then.
+
+    A file with errors is parsed each time.
+    """
+    key = digest(_parser_stamp(), source.text.encode("utf-8", "surrogatepass"))
+    stored = load("tree", key)
+    if stored is not None:
+        try:
+            tree, calls = pickle.loads(stored)
+            for code, start, end, hint, fields in calls:
+                reporter.add(code, source, start, end, hint=hint, **fields)
+            return tree
+        except Exception:  # a broken cache file may raise anything; it is written anew below
+            pass
+    from stcore.parser import parse
+
+    recorder = _Recorder(reporter)
+    tree = parse(source, recorder)
+    if all(code[0] == "W" for code, *_ in recorder.calls):
+        store("tree", key, pickle.dumps((tree, recorder.calls), 5))
+    return tree
+
+
+class _Recorder:
+    """Passes diagnostics on and notes them, to be given again when the tree comes from the cache."""
+
+    def __init__(self, reporter: Reporter) -> None:
+        self.reporter = reporter
+        self.calls: list[tuple] = []
+
+    def add(self, code: str, source: Source, start: int, end: int | None = None, /, hint: str = "", **fields) -> None:
+        self.calls.append((code, start, end, hint, fields))
+        self.reporter.add(code, source, start, end, hint=hint, **fields)
