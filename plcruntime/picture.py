@@ -104,11 +104,10 @@ def _kind(place: Place) -> str:
 
 def _bits(place: Place, column) -> list:
     """A lane for each bit of a status word that changed; when none did, for each that is set."""
-    differing = int((column ^ column[0]).max()) if len(column) else 0
-    every = 0
+    first, changed = int(column[0]), 0
     for value in set(column.tolist()):
-        every |= value ^ int(column[0])
-    shown = every if differing else int(column[0])
+        changed |= value ^ first
+    shown = changed or first
     name = _short(place)
     bits = [b for b in range(64) if shown >> b & 1]
     return [(f"{name}.{b}", column >> column.dtype.type(b) & column.dtype.type(1) == 1) for b in bits]

@@ -93,7 +93,7 @@ class PLC:
         return values.read(self._machine.memory, self.place(path))
 
     def __setitem__(self, path: str, value) -> None:
-        """Write a variable now, before the next scan. Raises PathError, TypeError, ValueError and then writes nothing."""
+        """Write a variable now, before the next scan. Raises PathError, TypeError, ValueError, writing nothing."""
         self._engine.write(self._pieces(self.place(path), value))
 
     def show(self, path: str) -> str:
@@ -166,7 +166,7 @@ class PLC:
         if callable(condition):
             reached = self._engine.advance(count, test=_with_plc(condition, self), realtime=realtime)
         else:
-            from stcore import compile_condition
+            from stcore.compiler import compile_condition
 
             module = compile_condition(self.program, condition)
             reached = self._engine.advance(count, until=module, realtime=realtime)
@@ -334,11 +334,11 @@ def build(
 ) -> tuple[Program, Project]:
     """Compile what the user names, with the project's settings. Raises as `PLC.load` does."""
     import mclib
-    import stcore
+    from stcore.compiler import compile
 
     files, project = sources.gather(source, config)
     libraries = [*project.libraries, mclib.LIBRARY]
-    program = stcore.compile(files, tasks=project.tasks, libraries=libraries, strict=strict or project.strict)
+    program = compile(files, tasks=project.tasks, libraries=libraries, strict=strict or project.strict)
     return program, project
 
 

@@ -129,7 +129,8 @@ def _extremes(ax, curve: Curve, position: bool) -> None:
         up = mark >= 0
         ax.annotate(
             f"{what} {mark:.7g} {curve.unit}", (1.0, mark), xycoords=("axes fraction", "data"), ha="right",
-            xytext=(-4, 3 if up else -3), textcoords="offset points", va="bottom" if up else "top", fontsize=8, color=COLOURS[1],
+            xytext=(-4, 3 if up else -3), textcoords="offset points", va="bottom" if up else "top", fontsize=8,
+            color=COLOURS[1],
         )  # fmt: skip
     if not position:
         ax.axhline(0, color=FAINT, linewidth=0.6)

@@ -23,21 +23,23 @@ KEYS: dict[str, dict[str, str]] = {
         "strict": "TRUE or FALSE",
     },
     "task": {
-        "name": "text", "program": "text", "programs": "list of texts", "interval": "duration", "priority": "whole number",
+        "name": "text", "program": "text", "programs": "list of texts", "interval": "duration",
+        "priority": "whole number",
     },
     "axis": {
         "number": "whole number", "name": "text", "lag": "duration", "resolution": "number", "inertia": "number",
-        "soft_positive": "number", "soft_negative": "number", "following_error": "whole number", "stop_smooth": "number",
-        "stop_abrupt": "number", "pulses_per_unit": "number", "modulo": "number", "max_velocity": "number",
-        "max_acceleration": "number", "max_deceleration": "number", "max_jerk": "number",
+        "soft_positive": "number", "soft_negative": "number", "following_error": "whole number",
+        "stop_smooth": "number", "stop_abrupt": "number", "pulses_per_unit": "number", "modulo": "number",
+        "max_velocity": "number", "max_acceleration": "number", "max_deceleration": "number", "max_jerk": "number",
     },
 }  # fmt: skip
 
 # key of an axis -> members of the simulator's axis (mclib/library/sim/SimAxis.st); ref^ is the program's AXIS_REF_SM3
 MEMBERS: dict[str, str] = {
-    "lag": "drive.lag", "resolution": "drive.resolution", "inertia": "drive.inertia", "soft_positive": "softPositive",
-    "soft_negative": "softNegative", "following_error": "posErr", "stop_smooth": "decSmooth", "stop_abrupt": "decAbrupt",
-    "pulses_per_unit": "ref^.fScalefactor", "modulo": "ref^.fPositionPeriod", "max_velocity": "ref^.fSWMaxVelocity",
+    "lag": "drive.lag", "resolution": "drive.resolution", "inertia": "drive.inertia",
+    "soft_positive": "softPositive", "soft_negative": "softNegative", "following_error": "posErr",
+    "stop_smooth": "decSmooth", "stop_abrupt": "decAbrupt", "pulses_per_unit": "ref^.fScalefactor",
+    "modulo": "ref^.fPositionPeriod", "max_velocity": "ref^.fSWMaxVelocity",
     "max_acceleration": "ref^.fSWMaxAcceleration", "max_deceleration": "ref^.fSWMaxDeceleration",
     "max_jerk": "ref^.fSWMaxJerk",
 }  # fmt: skip

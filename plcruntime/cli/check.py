@@ -12,11 +12,11 @@ from stcore.diagnostics import as_json, gcc
 
 def execute(arguments: argparse.Namespace) -> int:
     import mclib
-    import stcore
+    from stcore.compiler import check
 
     files, project = sources.gather(arguments.files, arguments.config)
     libraries = [*project.libraries, mclib.LIBRARY]
-    diagnostics = stcore.check(files, libraries=libraries, strict=arguments.strict or project.strict)
+    diagnostics = check(files, libraries=libraries, strict=arguments.strict or project.strict)
     if arguments.format == "json":
         print(as_json(diagnostics))
     elif arguments.format == "gcc":

@@ -25,9 +25,9 @@ def execute(arguments: argparse.Namespace) -> int:
         if entry.hint:
             print(f"hint: {entry.hint}")
     else:
-        near = [c for c in CODES if c[:2] == code[:2]][:8]
+        near = [c for c in CODES if c[:2] == code[:2]] or [c for c in CODES if c[:1] == code[:1]]
         raise UsageError(
-            f"there is no code {arguments.code}" + (f"; there are {', '.join(near)} and more" if near else "")
+            f"there is no code {arguments.code}" + (f"; there are {', '.join(near[:8])} and more" if near else "")
         )
     return DONE
 

@@ -81,7 +81,8 @@ def _load(arguments: argparse.Namespace):
 
 
 def _not_compiled(arguments: argparse.Namespace, error: CompileError) -> int:
-    output.print_diagnostics(error.diagnostics)
+    if not arguments.json:
+        output.print_diagnostics(error.diagnostics)
     print(f"{output.summary(error.diagnostics)}; nothing was run", file=sys.stderr)
     if arguments.json:
         result = {
