@@ -172,6 +172,8 @@ class Conversions(Context):
                 if not exact and not generic and t.ERROR not in (source.target, target.target):
                     self.warn("W0303", node, source=source, target=target)
                 return True
+            case t.String(), t.Pointer():  # char* of a C prototype: the text itself may be given
+                return isinstance(target.target, t.String) and not target.reference
             case t.Pointer(), t.Elementary():
                 return target.kind in INTEGER and target.size >= 4
             case t.Elementary(), t.Pointer():

@@ -40,7 +40,7 @@ class Calls(Expressions):
         outputs = dict((p, v) for p, v in call.outputs)
         args += [self._aggregate_output(p, outputs.get(p)) for p in aggregate_outputs(pou)]
         result = pou.result.type if pou.result is not None else None
-        prefix = ""
+        prefix = where = ""
         if result is not None and t.is_aggregate(result):
             where = address("(local.get $fp)", self.frame(result.size, result.align))
             args.append(where)
@@ -57,6 +57,7 @@ class Calls(Expressions):
                 prefix += " drop"
         for p, place, temp in stores:
             prefix += " " + self._store_output(p, place, f"(local.get {temp})")
+        prefix += f" {where}" if where else ""
         head = f"(block (result {returned})" if returned else "(block"
         if call.en is not None:
             return self._enabled(call, result, f"{text}{prefix}")

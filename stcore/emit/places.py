@@ -90,14 +90,14 @@ class Places:
             base = f"(i32.add {base} {text})" if base else text
         return base, offset
 
-    def _scaled(self, index: s.Node, size: int) -> str:
+    def _stride(self, index: s.Node, size: int) -> str:
         text = self.value(index)
         return text if size == 1 else f"(i32.mul {text} (i32.const {size}))"
 
     def _pointer_index(self, node: s.Index) -> tuple[str, int]:
         """p[i]: the i-th element from where p points to (CODESYS)."""
         index = node.indices[0]
-        text = f"(i32.add {self.value(node.base)} {self._scaled(index, node.type.size)})"
+        text = f"(i32.add {self.value(node.base)} {self._stride(index, node.type.size)})"
         return self.checked_address(text, node), 0
 
     def _character(self, node: s.Index, kind: t.String) -> tuple[str, int]:
