@@ -11,7 +11,7 @@ import wasmtime
 from stcore import cache
 from stcore import types as t
 from stcore.faults import Fault, locate
-from stcore.program import INTERRUPT, INTERVAL, TASK_RATIOS, UNTIL, External, Program
+from stcore.program import HOST_FAILED, INTERRUPT, INTERVAL, TASK_RATIOS, UNTIL, External, Program
 
 # What a trap of wasmtime is to a PLC programmer; 'unreachable' is a check of ours, whose site names the fault.
 _TRAPS = {
@@ -134,23 +134,15 @@ class Machine:
     def _call(self, function: wasmtime.Func, *args: int) -> int:
         self._sp.set_value(self._store, wasmtime.Val.i32(self._top))
         self._host_error = None
+        struct.pack_into("<i", self.memory, HOST_FAILED, 0)
         try:
             return function(self._store, *args)
         except wasmtime.Trap as trap:
             raise self._fault(trap) from None
-        except wasmtime.WasmtimeError as error:
-            raise self._host_fault(error) from None
-        except HostError as error:
-            raise self._host_fault(error) from None
 
     def _fault(self, trap: wasmtime.Trap) -> Fault:
         frames = [(f.func_index, f.module_offset) for f in trap.frames]
-        return locate(self.program, self.memory, _TRAPS.get(trap.trap_code, ""), frames)
-
-    def _host_fault(self, error: Exception) -> Fault:
-        frames = [(f.func_index, f.module_offset) for f in getattr(error, "frames", None) or []]
-        cause = self._host_error or error
-        return locate(self.program, self.memory, "F0106", frames, str(cause))
+        return locate(self.program, self.memory, _TRAPS.get(trap.trap_code, ""), frames, str(self._host_error or ""))
 
     def interrupt(self) -> None:
         """Stop a run that is under way, from another thread: it ends with fault F0108 or after the scan."""
@@ -178,9 +170,10 @@ class Machine:
                     raise HostError(f"nothing provides the external function {external.name}")
                 result = function(*args)
                 return None if external.result is None else _as_result(result, external)
-            except Exception as error:
+            except Exception as error:  # becomes the fault F0106 at the place of the call
                 self._host_error = error
-                raise
+                struct.pack_into("<i", self.memory, HOST_FAILED, 1)
+                return None if external.result is None else _as_result(0, external)
 
         return wasmtime.Func(self._store, wasmtime.FuncType(kinds, results), call)
 

@@ -21,6 +21,7 @@ NOW = 16  # LINT, virtual time in ns since the start, as the running scan sees i
 SCAN = 24  # LINT, number of scans finished
 INTERVAL = 32  # LINT, length of a scan in ns
 INTERRUPT = 40  # DINT, set by the host to stop a loop that does not end
+HOST_FAILED = 44  # DINT, set by the host when an external function failed: the call then is a fault
 FAULT_A = 48  # LINT, values of the check that failed (index, pointer)
 FAULT_LOW = 56  # LINT, lower bound
 FAULT_HIGH = 64  # LINT, upper bound

@@ -114,8 +114,10 @@ class Conversions(Context):
     def _convert_constant(self, node: s.Node, target: t.Type) -> s.Node | None:
         """A literal takes the type that its place asks for."""
         goal, value = t.base_of(target), node.const
-        if isinstance(target, t.Pointer):
-            return self._wrapped(node, target)
+        if isinstance(target, t.Pointer) and isinstance(value, int):
+            made = self._literal(node, wrap(value, t.UDINT))
+            made.type = target
+            return made
         if not isinstance(goal, t.Elementary) or isinstance(value, str):
             return None
         if goal.kind in INTEGER and isinstance(value, int):
@@ -154,7 +156,7 @@ class Conversions(Context):
             if node.const is not None and goal.kind in INTEGER and float(node.const).is_integer():
                 return self._wrapped(node, target)
         if not holds(goal, base) and not (base.kind == "bits" and goal.kind in INTEGER and goal.size >= base.size):
-            if node.const is None or not _fits(node.const, goal):
+            if not _always_fits(node, goal):
                 code = "W0302" if base.kind == "real" and goal.kind != "real" else "W0301"
                 self.warn(code, node, source=node.type, target=target)
         return self._wrapped(node, target)
@@ -208,6 +210,17 @@ class Conversions(Context):
 
 def _called(kind: t.Type) -> str:
     return {"ANY_INT": "an integer", "ANY_REAL": "a real number"}.get(kind.name, kind.name)
+
+
+def _always_fits(node: s.Node, goal: t.Elementary) -> bool:
+    """True for a constant that fits, and for a choice among such constants: SEL(b, 1, 2)."""
+    if node.const is not None:
+        return _fits(node.const, goal)
+    choice = getattr(node, "symbol", None)
+    if getattr(choice, "name", "") not in ("SEL", "MUX", "MIN", "MAX", "LIMIT") or not hasattr(choice, "args"):
+        return False
+    values = choice.args[1:] if choice.name in ("SEL", "MUX") else choice.args
+    return all(_always_fits(v, goal) for v in values)
 
 
 def _fits(value: object, goal: t.Elementary) -> bool:

@@ -7,6 +7,7 @@ from stcore import types as t
 from stcore.check.calls import BlockCall, FunctionCall
 from stcore.emit.expressions import Expressions
 from stcore.emit.values import address, constant, store, wasm_type
+from stcore.program import HOST_FAILED
 from stcore.scope import ActionOf, Pou, Var
 
 
@@ -44,9 +45,10 @@ class Calls(Expressions):
         if result is not None and t.is_aggregate(result):
             where = address("(local.get $fp)", self.frame(result.size, result.align))
             args.append(where)
-        mark = self.marker(node, "F0106") + " " if pou.external else ""
-        text = f"{mark}(call {pou.symbol} {' '.join(args)})"
+        text = f"(call {pou.symbol} {' '.join(args)})"
         returned = "" if result is None else wasm_type(result)
+        if pou.external:
+            text = self._external(node, text, returned)
         stores = []
         for p in reversed(scalar_outputs(pou)):
             if p in outputs:
@@ -61,7 +63,15 @@ class Calls(Expressions):
         head = f"(block (result {returned})" if returned else "(block"
         if call.en is not None:
             return self._enabled(call, result, f"{text}{prefix}")
-        return text if not prefix and not mark else f"{head} {text}{prefix})"
+        return text if not prefix else f"{head} {text}{prefix})"
+
+    def _external(self, node: s.Call, text: str, returned: str) -> str:
+        """A call of the host; when that fails, the fault is here."""
+        failed = f"(if (i32.load (i32.const {HOST_FAILED})) (then {self.marker(node, 'F0106')} (call $fault)))"
+        if not returned:
+            return f"(block {text} {failed})"
+        temp = self.temp(returned)
+        return f"(block (result {returned}) (local.set {temp} {text}) {failed} (local.get {temp}))"
 
     def _enabled(self, call: FunctionCall, result: t.Type | None, text: str) -> str:
         """EN FALSE: the function is not called, its result is the initial value."""

@@ -39,6 +39,8 @@ class Expressions(Places):
             return constant(node.const, node.type)
         if isinstance(node.const, str):
             return self.string_constant(node.const, node.type)
+        if isinstance(node.const, int) and isinstance(node.type, t.Pointer):
+            return constant(node.const, node.type)
         return self.EMIT[type(node)](self, node)
 
     def narrow(self, node: s.Node) -> str:
