@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from fractions import Fraction
 
 UNITS = {
     "d": 86_400 * 10**9,
@@ -15,7 +14,7 @@ UNITS = {
     "us": 10**3,
     "ns": 1,
 }
-_PIECE = re.compile(r"(\d+(?:\.\d+)?)(min|ms|us|ns|[dhms])", re.IGNORECASE)
+_PIECE = re.compile(r"(\d+)(?:\.(\d+))?(min|ms|us|ns|[dhms])", re.IGNORECASE)
 _PREFIX = re.compile(r"(?:L?TIME|L?T)#", re.IGNORECASE)
 
 
@@ -24,15 +23,17 @@ def nanoseconds(text: str | float | int) -> int:
     if not isinstance(text, str):
         if isinstance(text, bool) or not text >= 0:
             raise ValueError(f"'{text}' is not a duration; write 500ms, 2.5s or T#1s500ms")
-        return round(Fraction(text) * 10**9) if isinstance(text, int) else round(text * 1e9)
+        return text * 10**9 if isinstance(text, int) else round(text * 1e9)
     body = _PREFIX.sub("", text.strip().replace("_", ""), count=1).replace(" ", "")
-    total, at = Fraction(0), 0
+    total = at = 0
     while m := _PIECE.match(body, at):
-        total += Fraction(m[1]) * UNITS[m[2].lower()]
+        unit, decimals = UNITS[m[3].lower()], m[2] or ""
+        # whole numbers throughout: 0.1 s is exactly 100 ms
+        total += int(m[1] + decimals) * unit // 10 ** len(decimals)
         at = m.end()
     if not body or at < len(body):
         raise ValueError(f"'{text}' is not a duration; write 500ms, 2.5s or T#1s500ms")
-    return round(total)
+    return total
 
 
 def scans(text: str | float | int, interval: int) -> int:

@@ -31,6 +31,8 @@ def parse(text: str) -> Stimulus:
         value, time = rest[:at], rest[at + 1 :].strip()
         if not time:
             raise UsageError(f"'{text}': the time after '@' is missing")
+        if not value.strip():
+            raise UsageError(f"'{text}': the value before '@' is missing")
     return Stimulus(path, value.strip(), time, text)
 
 
