@@ -169,7 +169,10 @@ class Conversions(Context):
                 lengths = [b - a for a, b in source.bounds] == [b - a for a, b in target.bounds]
                 return lengths and same(source.element, target.element)
             case t.Pointer(), t.Pointer():
-                exact = same(source.target, target.target) or target.target.size == source.target.size
+                pointed = source.target  # the address of an array is that of its first element
+                while isinstance(pointed, t.Array) and not isinstance(target.target, t.Array):
+                    pointed = pointed.element
+                exact = same(pointed, target.target) or target.target.size == pointed.size
                 generic = t.BYTE in (source.target, target.target)
                 if not exact and not generic and t.ERROR not in (source.target, target.target):
                     self.warn("W0303", node, source=source, target=target)
