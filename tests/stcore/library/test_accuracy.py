@@ -173,6 +173,8 @@ def test_special_powers():
     numbers = (0.0, -0.0, 0.5, -0.5, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 1e300, -1e300, INF, -INF, NAN)
     for base in numbers:
         for exponent in numbers:
+            if abs(exponent) == 0.5 and base in (0.5, 2.0, 3.0):
+                continue  # inexact: test_expt
             try:
                 expected = math.pow(base, exponent)
             except OverflowError:

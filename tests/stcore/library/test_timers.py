@@ -5,7 +5,7 @@ import struct
 import pytest
 from harness import Plc, trace
 
-from stcore.program import NOW, SCAN
+from stcore.program import NOW
 
 
 def run(block, steps, wide=False, pt=0.03):
@@ -73,7 +73,7 @@ def test_long_times():
     plc["PLC_PRG.go"] = True
     plc.scan(1)
     assert (plc["PLC_PRG.now"], plc["PLC_PRG.t.ET"]) == (0.0, 0.0)
-    struct.pack_into("<q", plc.machine.memory, SCAN, 4294967)
+    struct.pack_into("<qq", plc.machine.memory, NOW, 4294967 * 10**9, 4294967)  # and the number of scans
     plc.scan()
     assert plc["PLC_PRG.t.Q"] is False and plc["PLC_PRG.t.ET"] == plc["PLC_PRG.now"] == 4294967.0
     plc.scan()
