@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import select
 import signal
+import sys
 import threading
 from contextlib import contextmanager
 from time import monotonic
@@ -24,12 +25,13 @@ LINGER = 1.0  # s without a run after which the thread ends
 class Guard:
     """Watches the calls into one machine. seconds: a scan that takes longer (wall clock) is an endless loop; 0: never.
 
-    stopped: the user pressed Ctrl-C during the present run. expired: the watchdog ended the last call.
+    stopped: the user pressed Ctrl-C during the present run.
     """
 
     def __init__(self, machine, seconds: float) -> None:
         self.machine, self.seconds = machine, seconds
-        self.stopped = self.expired = False
+        self.stopped = False
+        self._running = False  # a run is under way: the thread and its pipe must stay
         self._busy = False  # the module is running
         self._raise_now = False  # Python code of the user is running: Ctrl-C ends it as anywhere
         self._call = 0
@@ -37,34 +39,34 @@ class Guard:
         self._last_use = 0.0
         self._lock = threading.Lock()
         self._thread: threading.Thread | None = None
-        self._pipe: tuple[int, int] | None = None
+        self._wake: _Wake | None = None
 
     @contextmanager
     def run(self):
         """Around a whole run: Ctrl-C sets `stopped` instead of raising in the middle of the book-keeping."""
         self.stopped = False
-        self._awake()
+        self._begin()
         handler = signal.getsignal(signal.SIGINT)
         main = threading.current_thread() is threading.main_thread()
         ours = main and handler is signal.default_int_handler
         if ours:
             signal.signal(signal.SIGINT, self._on_sigint)
-            before = signal.set_wakeup_fd(self._pipe[1], warn_on_full_buffer=False)
+            before = signal.set_wakeup_fd(self._wake.write_end, warn_on_full_buffer=False)
         try:
             yield
         finally:
             if ours:
                 signal.set_wakeup_fd(before)
                 signal.signal(signal.SIGINT, handler)
+            self._last_use = monotonic()
+            self._running = False
 
     @contextmanager
     def call(self):
-        """Around one call into the module."""
-        self._awake()
+        """Around one call into the module, inside of `run`."""
         with self._lock:
             self._memory = self.machine.memory
             self._call += 1
-            self.expired = False
             self.machine.clear_interrupt()
             self._busy = True
         try:
@@ -73,7 +75,6 @@ class Guard:
             with self._lock:
                 self._busy = False
                 self._memory = None
-                self._last_use = monotonic()
 
     @contextmanager
     def users_code(self):
@@ -91,41 +92,69 @@ class Guard:
         if self._raise_now:
             raise KeyboardInterrupt
 
-    def _awake(self) -> None:
+    def _begin(self) -> None:
         with self._lock:
-            self._last_use = monotonic()
-            if self._thread is None:
-                self._pipe = os.pipe()
-                for end in self._pipe:
-                    os.set_blocking(end, False)
+            self._running = True
+            if self._thread is None or not self._thread.is_alive():  # not alive: this process was forked
+                self._wake = _Wake()
                 self._thread = threading.Thread(target=self._watch, name="scancycle guard", daemon=True)
                 self._thread.start()
 
     def _watch(self) -> None:
         seen, since, signalled = None, monotonic(), 0.0
         while True:
-            ready, _, _ = select.select([self._pipe[0]], [], [], GRACE / 3 if signalled else TICK)
+            woken = self._wake.wait(GRACE / 3 if signalled else TICK)
             now = monotonic()
-            if ready:
-                os.read(self._pipe[0], 64)
+            if woken:
                 signalled = signalled or now
             with self._lock:
                 if not self._busy:
                     signalled = 0.0
-                    if now - self._last_use > LINGER:
-                        self._end()
+                    if not self._running and now - self._last_use > LINGER:
+                        self._wake.close()
+                        self._thread = None
                         return
                     continue
                 state = (self._call, bytes(self._memory[SCAN : SCAN + 8]))
                 if state != seen:
                     seen, since = state, now
                 elif self.seconds and now - since >= self.seconds:
-                    self.expired = True
                     self.machine.interrupt()
+                if self.stopped and not signalled:  # it came just before the call
+                    signalled = now
                 if signalled and now - signalled >= GRACE:
                     self.machine.interrupt()
 
-    def _end(self) -> None:
-        for end in self._pipe:
-            os.close(end)
-        self._pipe = self._thread = None
+
+class _Wake:
+    """What a signal writes to: a pipe, or sockets where select() knows nothing else (Windows)."""
+
+    def __init__(self) -> None:
+        if sys.platform == "win32":
+            import socket
+
+            self._sockets = socket.socketpair()
+            self._sockets[0].setblocking(False)
+            self._sockets[1].setblocking(False)
+            self._read_end, self.write_end = (s.fileno() for s in self._sockets)
+        else:
+            self._sockets = ()
+            self._read_end, self.write_end = os.pipe()
+            os.set_blocking(self._read_end, False)
+            os.set_blocking(self.write_end, False)
+
+    def wait(self, seconds: float) -> bool:
+        """Wait until a signal came, at most so long; whether one came."""
+        ready, _, _ = select.select([self._read_end], [], [], seconds)
+        if ready and self._sockets:
+            self._sockets[0].recv(64)
+        elif ready:
+            os.read(self._read_end, 64)
+        return bool(ready)
+
+    def close(self) -> None:
+        for s in self._sockets:
+            s.close()
+        if not self._sockets:
+            os.close(self._read_end)
+            os.close(self.write_end)

@@ -103,11 +103,10 @@ def _kind(place: Place) -> str:
 
 
 def _bits(place: Place, column) -> list:
-    """A lane for each bit of a status word that changed; when none did, for each that is set."""
-    first, changed = int(column[0]), 0
+    """A lane for each bit of a status word that was ever set."""
+    shown = 0
     for value in set(column.tolist()):
-        changed |= value ^ first
-    shown = changed or first
+        shown |= value
     name = _short(place)
     bits = [b for b in range(64) if shown >> b & 1]
     return [(f"{name}.{b}", column >> column.dtype.type(b) & column.dtype.type(1) == 1) for b in bits]

@@ -60,7 +60,9 @@ class PLC:
         host = _motion_host(program)
         if machine is None:
             from plcruntime.soft_machine import SoftMachine as machine
-        self._machine = machine(program, host.functions(self) if host else {})
+        functions = host.functions(self) if host else {}
+        spelled = {e.name: functions[e.name.upper()] for e in program.externals if e.name.upper() in functions}
+        self._machine = machine(program, spelled)
         self._engine = Engine(program, self._machine, ns, WATCHDOG if limit is None else limit)
         self._bind = host.bind_axes if host else None
         self._configure()

@@ -16,6 +16,7 @@ _PAGE = """<!doctype html>
 body {{ margin: 1.5rem auto; max-width: 78rem; font: 14px/1.4 system-ui, sans-serif; color: #22303c; background: #fff }}
 main {{ display: grid; grid-template-columns: minmax(0, 1fr) 16rem; gap: 1rem; align-items: start }}
 svg {{ width: 100%; height: auto; cursor: crosshair }}
+svg text {{ font-family: "DejaVu Sans", Verdana, system-ui, sans-serif !important }}
 table {{ border-collapse: collapse; width: 100%; font-size: 13px }}
 td {{ padding: 2px 4px; border-bottom: 1px solid #e6eaed }}
 td + td {{ text-align: right; font-variant-numeric: tabular-nums }}

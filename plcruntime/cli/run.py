@@ -10,7 +10,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from plcruntime import durations, report, stimuli
-from plcruntime.cli import DONE, FAILED, INTERRUPTED, NOT_REACHED, output
+from plcruntime.cli import DONE, FAILED, INTERRUPTED, NOT_REACHED, USAGE, output
 from plcruntime.errors import ConditionTimeout, UsageError
 from stcore.diagnostics import CompileError
 from stcore.paths import PathError
@@ -179,8 +179,7 @@ class Run:
         if self.plc.fault and self.stopped != "interrupt":
             self.stopped, code = "fault", FAILED
         self._show()
-        self._write_files()
-        return code
+        return self._write_files(code)
 
     def _run(self) -> None:
         from stcore.faults import Fault
@@ -258,17 +257,22 @@ class Run:
             f"in {seconds:.3g} s{speed}; stopped: {self.stopped}"
         )
 
-    def _write_files(self) -> None:
+    def _write_files(self, code: int) -> int:
+        """Gives the exit code: a file that can't be written changes it, unless something worse happened."""
         title = ", ".join(Path(f).name for f in self.arguments.files)
         for trace, path in ((self.trace, self.arguments.trace), (self.picture, self.arguments.plot)):
             if trace is None:
                 continue
             try:
                 self._write(trace, path, title)
-            except OSError as error:
-                raise UsageError(f"can't write {path}: {error.strerror or error}") from None
+            except (OSError, UsageError) as error:
+                problem = f"can't write {path}: {error.strerror or error}" if isinstance(error, OSError) else str(error)
+                self._say(problem)
+                code = code or USAGE
+                continue
             if not self.arguments.json:
                 print(f"wrote {path}")
+        return code
 
     def _write(self, trace, path: str, title: str) -> None:
         suffix = Path(path).suffix.lower()

@@ -43,15 +43,14 @@ def test_what_the_picture_shows(moved):
     assert [c.label for p in picture.panels[:3] for c in p.curves] == ["axis 1"] * 3  # axis 2 did not move
     assert picture.panels[1].curves[0].values.max() == 10.0
     assert picture.panels[4].names == {0: "idle", 5: "moving"}
-    # bit 9 of the status word never changed: the timeline shows the one that did
-    assert [label for label, _ in picture.lanes] == ["status.10", "run"]
+    assert [label for label, _ in picture.lanes] == ["status.9", "status.10", "run"]
 
 
 def test_without_named_variables(moved):
     plc, trace = moved
     picture = compose(plc, trace, "")
     assert [p.title for p in picture.panels] == ["Position (pulse)", "Velocity (pulse/ms)", "Acceleration (pulse/ms²)"]
-    assert [label for label, _ in picture.lanes] == ["axis 1 alarm", "status.10", "run"]
+    assert [label for label, _ in picture.lanes] == ["axis 1 alarm", "status.9", "status.10", "run"]
 
 
 def test_without_axes(plc):
