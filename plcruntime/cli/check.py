@@ -12,11 +12,12 @@ from stcore.diagnostics import as_json, gcc
 
 def execute(arguments: argparse.Namespace) -> int:
     import mclib
-    from stcore.compiler import check
+    from stcore.compiler import diagnose
 
     files, project = sources.gather(arguments.files, arguments.config)
     libraries = [*project.libraries, mclib.LIBRARY]
-    diagnostics = check(files, libraries=libraries, strict=arguments.strict or project.strict)
+    with output.working("checking"):
+        diagnostics = diagnose(files, libraries=libraries, strict=arguments.strict or project.strict)
     if arguments.format == "json":
         print(as_json(diagnostics))
     elif arguments.format == "gcc":

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
+import threading
 import time
 from collections.abc import Iterable, Sequence
+from contextlib import contextmanager
 
 from stcore.diagnostics import Diagnostic, text
 
@@ -32,7 +35,7 @@ def console(stream):
     from rich.console import Console
 
     made = Console(file=stream, highlight=False, soft_wrap=False)
-    if not made.is_terminal and "COLUMNS" not in __import__("os").environ:
+    if not made.is_terminal and "COLUMNS" not in os.environ:
         made.width = 160
     return made
 
@@ -81,6 +84,23 @@ def _finite(data):
     if isinstance(data, list):
         return [_finite(value) for value in data]
     return data
+
+
+@contextmanager
+def working(text: str):
+    """Say what is going on when it lasts longer than a second, on a terminal only."""
+    if not sys.stderr.isatty():
+        yield
+        return
+    timer = threading.Timer(1.0, lambda: print(f"{text} ...", end="", file=sys.stderr, flush=True))
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+        timer.join()
+        print("\r\x1b[K", end="", file=sys.stderr, flush=True)
 
 
 class Progress:

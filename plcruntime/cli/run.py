@@ -24,7 +24,8 @@ def execute(arguments: argparse.Namespace) -> int:
     _check_arguments(arguments)
     began = time.perf_counter()
     try:
-        plc = _load(arguments)
+        with output.working("compiling"):
+            plc = _load(arguments)
     except CompileError as error:
         return _not_compiled(arguments, error)
     run = Run(plc, arguments, time.perf_counter() - began)
