@@ -1,7 +1,7 @@
 """stcore: Structured Text (IEC 61131-3) compiled to WebAssembly. It knows no motion, no project files, no wall clock."""
 
-from stcore.compiler import check, compile, compile_condition
+from stcore.compiler import compile, compile_condition, diagnose
 from stcore.diagnostics import CompileError, Diagnostic
 from stcore.faults import Fault
 
-__all__ = ["CompileError", "Diagnostic", "Fault", "check", "compile", "compile_condition"]
+__all__ = ["CompileError", "Diagnostic", "Fault", "compile", "compile_condition", "diagnose"]

@@ -32,7 +32,7 @@ CODES: dict[str, Code] = {
     "E0113": Code("nested too deeply", "split it into several statements"),
     "E0114": Code("{what} is not supported yet", "write a FUNCTION, a FUNCTION_BLOCK or an ACTION instead"),
     "E0115": Code("{found} is not expected here", "did you mean {keyword}?"),
-    "E0116": Code("{found} is one sign too many", "remove it"),
+    "E0116": Code("{found} stands here twice", "remove one"),
     "E0117": Code("{name} is not a name that can be declared", "a dot separates a name from its member"),
     "E0118": Code("{found} without {what}"),
     "E0119": Code("an array needs a lowest and a highest index, not {text}", "write ARRAY[0..{text}]"),
@@ -43,6 +43,8 @@ CODES: dict[str, Code] = {
     "E0124": Code("a statement before the first label of CASE", "write the value it is for and a colon in front"),
     "E0125": Code("ELSE IF opens a second IF, whose END_IF is missing", "write ELSIF, which needs no END_IF of its own"),
     "E0126": Code("{what} belongs before the statements", "move it up"),
+    "E0127": Code("too many errors; the rest of the file is not read"),
+    "E0128": Code("{name} is a reserved word and can't be a name", "choose another name"),
     # --- W01: what a printed listing has and ST has not; errors under --strict
     "W0101": Code("typographic quotes in {text} read as '", "write straight quotes"),
     "W0102": Code("= read as :=", "write :="),
@@ -58,6 +60,11 @@ CODES: dict[str, Code] = {
     "W0112": Code("the sign {found} read as {plain}", "write {plain}"),
     "W0113": Code("[{text}] read as [0..{high}]", "write [0..{high}]"),
     "W0114": Code("a comma is missing between two arguments", "write ,"),
+    # --- W013x: names in printed listings (the checker's part of mending)
+    "W0130": Code("{name} read as {meant}", "write {meant}"),
+    "W0131": Code("{name} is not declared; read as {meant}, which is not used otherwise", "write one of the two"),
+    "W0132": Code("{name} is not declared; its use makes it {type}", "declare  {name} : {type};"),
+    "W0133": Code("{name} takes {wanted} arguments: the first of {given} is read as a core number and left out"),
     # --- E02: declarations and types
     "E0201": Code("{name} is declared twice; first at line {line}", "rename one of them or remove it"),
     "E0202": Code("unknown type {name}", "{near}"),

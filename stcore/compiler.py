@@ -39,7 +39,7 @@ def compile(  # noqa: A001 - the verb that users know
     return program
 
 
-def check(files: Files, *, libraries: Sequence[Path] = (), strict: bool = False) -> list[Diagnostic]:
+def diagnose(files: Files, *, libraries: Sequence[Path] = (), strict: bool = False) -> list[Diagnostic]:
     """All diagnostics of the files, in order; no module is made."""
     from stcore.build_program import check_only
 
@@ -107,4 +107,4 @@ def _unpack(data: bytes, key: str) -> Program | None:
         return None  # written by another version, or damaged: build again
 
 
-__all__ = ["CompileError", "check", "compile", "compile_condition"]
+__all__ = ["CompileError", "compile", "compile_condition", "diagnose"]

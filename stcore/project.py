@@ -6,7 +6,9 @@ only when a program uses them. Code of the library sees the library only: a user
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Callable
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 from stcore import syntax as s
@@ -28,6 +30,8 @@ class Project:
 
     def __init__(self, reporter: Reporter, libraries: list[Path], siblings: list[Path] | None = None) -> None:
         self.reporter = reporter
+        self.libraries = libraries
+        self._listing_tables: list[dict] | None = None
         self.user: dict[str, Pending] = {}
         self.library: dict[str, Pending] = {}
         self.sibling_index: dict[str, Entry] = {}
@@ -147,6 +151,20 @@ class Project:
         for found, pending in wanted.items():
             table.setdefault(found, pending)
         return table.get(name)
+
+    def spellings(self) -> dict[str, str]:
+        """Misprints of names in the manuals of the libraries: printed -> meant, '*' for the rest of a name."""
+        return {p: m for table in self._listings() for p, m in table.get("spellings", {}).items()}
+
+    def takes_core_number(self, name: str) -> bool:
+        """True for functions that other controllers of the family call with a core number in front."""
+        return any(fnmatchcase(name.upper(), p.upper()) for x in self._listings() for p in x.get("core_number", []))
+
+    def _listings(self) -> list[dict]:
+        if self._listing_tables is None:
+            files = [folder / "listings.toml" for folder in self.libraries]
+            self._listing_tables = [tomllib.loads(f.read_text(encoding="utf-8")) for f in files if f.exists()]
+        return self._listing_tables
 
     def known_names(self, library: bool = False) -> list[str]:
         """Every global name there is, for 'did you mean'."""

@@ -55,8 +55,12 @@ class Calls(Expressions):
                 if made is not None:
                     return made
             if symbol is None:
-                self.unknown_name(node.callee, node.callee.name, "E0404")
-                return self._skip(node)
+                meant = self.meant(node.callee, node.callee.name, self.known_names())
+                if meant is None:
+                    self.unknown_name(node.callee, node.callee.name, "E0404")
+                    return self._skip(node)
+                node.callee.name = meant
+                return self.call(node, checked)
         else:
             node.callee = self.expr(node.callee)
             symbol = node.callee.symbol
@@ -206,7 +210,8 @@ class Calls(Expressions):
         inputs, bound, failed = pou.inputs(), {}, False
         named = {key(p.name): p for p in pou.parameters}
         position = 0
-        for arg in node.args:
+        args = self._without_core_number(node, pou, len(inputs))
+        for arg in args:
             if arg.name is None:
                 if position >= len(inputs):
                     self.error("E0401", node, name=pou.name, wanted=len(inputs), given=len(node.args))
@@ -215,6 +220,8 @@ class Calls(Expressions):
                 position += 1
             else:
                 parameter = named.get(key(arg.name)) or (key(arg.name) if key(arg.name) in ("EN", "ENO") else None)
+                if parameter is None and (meant := self.meant(arg, arg.name, [p.name for p in pou.parameters])):
+                    parameter = named[key(meant)]
             if parameter is None:
                 known = [p.name for p in pou.parameters]
                 hint = near(arg.name, known) or (f"it has {', '.join(known)}" if known else "it has none")
@@ -225,6 +232,16 @@ class Calls(Expressions):
             else:
                 bound[parameter] = arg
         return None if failed else bound
+
+    def _without_core_number(self, node: s.Call, pou: Pou, wanted: int) -> list[s.Arg]:
+        """GT_GetSts(1, 1, ADR(sts), 1, 0): a listing of the multi-core controllers."""
+        args = node.args
+        if len(args) != wanted + 1 or not self.project.takes_core_number(pou.name):
+            return args
+        if args[0].name is None and isinstance(args[0].value, s.Literal):
+            self.report("W0133", args[0], name=pou.name, wanted=wanted, given=len(args))
+            return args[1:]
+        return args
 
     def _enable(self, bound: dict, pou: Pou) -> tuple[s.Node | None, s.Node | None]:
         """EN := condition and ENO => place, which every POU has without declaring them."""

@@ -50,12 +50,16 @@ class Context:
                 return self.pou.actions[upper]
         return self.project.lookup(name, self.library)
 
-    def near(self, name: str) -> str:
-        """'did you mean ...' for a name that is not known here."""
+    def known_names(self) -> list[str]:
+        """Every name that can be used here."""
         known = self.project.known_names(self.library)
         if self.pou is not None:
             known = [v.name for v in self.pou.variables.values()] + known
-        return near(name, known)
+        return known
+
+    def near(self, name: str) -> str:
+        """'did you mean ...' for a name that is not known here."""
+        return near(name, self.known_names())
 
     def unknown_name(self, node: s.Node, name: str, code: str = "E0301") -> None:
         if key(name) not in self.unknown:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from stcore import syntax as s
 from stcore import types as t
-from stcore.check.context import Context
 from stcore.check.fold import saturate, single, wrap
+from stcore.check.printed import Printed
 from stcore.scope import Convert
 
 NUMERIC = ("int", "bits", "real", "literal")
@@ -76,7 +76,7 @@ def holds(target: t.Elementary, source: t.Elementary) -> bool:
     return source.kind != "real" and target.low <= source.low and target.high >= source.high
 
 
-class Conversions(Context):
+class Conversions(Printed):
     """Implicit conversions of checked expressions."""
 
     def convert(self, node: s.Node, target: t.Type, what: str = "") -> s.Node:

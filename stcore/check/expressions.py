@@ -176,7 +176,7 @@ class Expressions(Names):
         sides = [t.base_of(node.left.type), t.base_of(node.right.type)]
         signs = {x.signed for x in sides if x.kind in INTEGER}
         large = any(not x.signed and x.size == 4 for x in sides if x.kind in INTEGER)
-        if len(signs) == 2 and large or number.kind in INTEGER and self._room(number, node).size == 8:
+        if len(signs) == 2 and large and number.size < 8:
             number = t.LINT  # so that a large UDINT is not a negative DINT
         if number.kind == "literal":
             node.left, node.right = self.settle(node.left), self.settle(node.right)

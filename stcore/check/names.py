@@ -62,8 +62,11 @@ class Names(Conversions):
             if key(node.name) == "THIS" and self.pou is not None and self.pou.type is not None:
                 node.type, node.symbol = t.Pointer(self.pou.type), "this"
                 return node
-            self.unknown_name(node, node.name)
-            return self.wrong(node)
+            meant = self.meant(node, node.name, self.known_names())
+            symbol = self.lookup(meant) if meant else self.declare_missing(node)
+            if symbol is None:
+                self.unknown_name(node, node.name)
+                return self.wrong(node)
         return self._use(node, symbol)
 
     def _use(self, node: s.Node, symbol: object) -> s.Node:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import stcore
-from stcore.compiler import check
+from stcore.compiler import diagnose
 from stcore.source import Source
 
 FOLDER = Path(stcore.__file__).parent / "library"
@@ -40,4 +40,4 @@ def test_all_compile():
     blocks = [f.stem for f in FILES if re.search(r"^FUNCTION_BLOCK", f.read_text(encoding="utf-8"), re.M)]
     declared = "".join(f"  b{i} : {name};\n" for i, name in enumerate(blocks))
     text = f"PROGRAM PLC_PRG\nVAR\n{declared}END_VAR\nEND_PROGRAM\n"
-    assert check([Source(text, "all.st")]) == []
+    assert diagnose([Source(text, "all.st")]) == []
