@@ -28,7 +28,7 @@ _INTEGERS = frozenset("SINT INT DINT LINT USINT UINT UDINT ULINT BYTE WORD DWORD
 class Context:
     """What the functions need beside the values: texts and places of the tokens, and somewhere to complain."""
 
-    __slots__ = ("texts", "starts", "ends", "kinds", "attributes", "tokens", "reporter", "_targets")
+    __slots__ = ("texts", "starts", "ends", "kinds", "attributes", "tokens", "reporter", "_targets", "_told")
 
     def __init__(self, tokens: Tokens, reporter: Reporter) -> None:
         self.tokens = tokens
@@ -36,8 +36,13 @@ class Context:
         self.attributes = tokens.attributes
         self.reporter = reporter
         self._targets: set[str] | None = None
+        self._told: set[tuple[str, int]] = set()
 
     def report(self, code: str, start: int, end: int, **fields) -> None:
+        """Report once; a repair may read the same tokens again."""
+        if (code, start) in self._told:
+            return
+        self._told.add((code, start))
         self.reporter.add(code, self.tokens.source, start, end, **fields)
 
     def jumped_to(self, label: str) -> bool:

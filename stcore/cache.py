@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 # the files whose change makes stored trees worthless
 _PARSER = (
-    "lexer", "pragmas", "tables", "parser", "build", "literals", "mend", "repair", "words", "syntax", "codes", "cache",
+    "lexer", "pragmas", "tables", "parser", "build", "literals", "mend", "repair", "blocks", "words", "syntax", "codes", "cache",
 )  # fmt: skip
 
 _problem = ""

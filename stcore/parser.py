@@ -14,7 +14,7 @@ from collections.abc import Callable
 from stcore import build, lexer, repair, tables
 from stcore import syntax as s
 from stcore.diagnostics import Reporter
-from stcore.lexer import KIND, Tokens
+from stcore.lexer import Tokens
 from stcore.source import Source
 
 MAX_STACK = 700  # entries; a level of nesting takes about three
@@ -47,7 +47,7 @@ def _run(source: Source, reporter: Reporter, start: str, mend: bool):
     gc.disable()  # a tree has no cycles; looking for some while it grows takes a third of the time
     try:
         tokens = lexer.tokenize(source, reporter)
-        return Machine(tokens, reporter, mend).run(start)
+        return Machine(tokens, reporter, mend, start == "statements").run(start)
     finally:
         if collecting:
             gc.enable()
@@ -66,10 +66,11 @@ def _functions() -> list[Callable]:
 class Machine:
     """One parse. The repair reads and changes its stacks and its tokens."""
 
-    def __init__(self, tokens: Tokens, reporter: Reporter, mend: bool) -> None:
+    def __init__(self, tokens: Tokens, reporter: Reporter, mend: bool, prompt: bool) -> None:
         self.tokens = tokens
         self.reporter = reporter
         self.mend = mend
+        self.prompt = prompt
         self.context = build.Context(tokens, reporter)
         self.table = _table()
         self.states: list[int] = []
