@@ -218,15 +218,8 @@ class PLC:
 
     def parse_value(self, path: str, text: str):
         """The Python value of an ST literal for a variable. Raises PathError, TypeError, ValueError."""
-        from stcore.diagnostics import Reporter
-        from stcore.parser import parse_initializer
-        from stcore.source import Source
-
         place = self.place(path)
-        reporter = Reporter()
-        node = parse_initializer(Source(text, "<value>"), reporter)
-        if reporter.failed or node is None:
-            raise ValueError(f"{text} is not a value; write it as in ST: TRUE, 16#FF, 'text', T#500ms, [1,2,3], (a:=1)")
+        node = values.plain_literal(text) or _parsed(text)
         return values.literal(self.program, self._machine.memory, node, place.type, place.name)
 
     # ------------------------------------------------------------------------------------ force and trace
@@ -342,6 +335,19 @@ def build(
     libraries = [*project.libraries, mclib.LIBRARY]
     program = compile(files, tasks=project.tasks, libraries=libraries, strict=strict or project.strict)
     return program, project
+
+
+def _parsed(text: str):
+    """The syntax node of a value. Raises ValueError."""
+    from stcore.diagnostics import Reporter
+    from stcore.parser import parse_initializer
+    from stcore.source import Source
+
+    reporter = Reporter()
+    node = parse_initializer(Source(text, "<value>"), reporter)
+    if reporter.failed or node is None:
+        raise ValueError(f"{text} is not a value; write it as in ST: TRUE, 16#FF, 'text', T#500ms, [1,2,3], (a:=1)")
+    return node
 
 
 def _motion_host(program: Program):

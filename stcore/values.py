@@ -8,6 +8,7 @@ when they have several dimensions; structures and instances are dicts by member 
 from __future__ import annotations
 
 import math
+import re
 import struct
 from operator import index
 
@@ -282,6 +283,7 @@ def _index_text(t: Array, i: int) -> str:
 
 # ------------------------------------------------------------------------------------------------ literals
 
+_DECIMAL = re.compile(r"[+-]?[0-9]+(\.[0-9]+([eE][+-]?[0-9]+)?)?")
 _TIMES = {"TIME", "LTIME"}
 _SECONDS = {"DATE", "DT", "LDATE", "LDT"}
 _MILLISECONDS = {"TOD", "LTOD"}
@@ -310,6 +312,17 @@ def literal(program: Program, memory, node: Node, t: Type, path: str):
     if isinstance(node, Literal):
         return _literal(node, base_of(t), path)
     raise TypeError(f"{path} is {t}: it takes a literal, not an expression")
+
+
+def plain_literal(text: str) -> Literal | None:
+    """The node of TRUE, FALSE or a decimal number, None for anything else: most values need no parser, whose import
+    takes longer than a short run."""
+    text = text.strip()
+    if text.upper() in ("TRUE", "FALSE"):
+        return Literal(0, len(text), text.upper() == "TRUE", "BOOL", text)
+    if _DECIMAL.fullmatch(text):
+        return Literal(0, len(text), float(text) if "." in text else int(text), None, text)
+    return None
 
 
 def _members(program: Program, memory, node: StructInit, t: Type, path: str) -> dict:

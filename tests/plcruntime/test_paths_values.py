@@ -6,7 +6,7 @@ import pytest
 from stcore import paths
 from stcore.paths import PathError
 from stcore.syntax import Arg, ArrayInit, Literal, Name, StructInit, Unary
-from stcore.values import show
+from stcore.values import plain_literal, show
 
 
 @pytest.mark.parametrize(
@@ -185,6 +185,14 @@ def put(plc, path, node):
     place = plc.place(path)
     plc[path] = values.literal(plc.program, plc._machine.memory, node, place.type, place.name)
     return plc[path]
+
+
+def test_plain_literals():
+    for text, value in (("TRUE", True), ("false", False), (" -12 ", -12), ("+3", 3), ("1.5", 1.5), ("-2.0e-3", -0.002)):
+        node = plain_literal(text)
+        assert node.value == value and type(node.value) is type(value)
+    for text in ("", "16#FF", "1_000", "T#1s", "1.", ".5", "'a'", "idle", "1 + 2", "٣"):
+        assert plain_literal(text) is None
 
 
 def test_literals(plc):
