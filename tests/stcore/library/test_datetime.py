@@ -35,6 +35,26 @@ def test_arithmetic():
     )
 
 
+def test_long_types():
+    check(
+        """
+        LTOD ADD_LTOD_LTIME(LTOD#23:00:00, LTIME#2h) -> 3600.0
+        LTOD ADD_LTOD_LTIME(LTOD#01:00:00, LTIME#-2h) -> 82800.0
+        LTOD SUB_LTOD_LTIME(LTOD#01:00:00, LTIME#2h) -> 82800.0
+        LDT ADD_LDT_LTIME(LDT#1970-01-01-23:59:59, LTIME#1s) -> 86400.0
+        LDT SUB_LDT_LTIME(LDT#1970-01-02-00:00:00, LTIME#500ms) -> 86399.5
+        LTIME SUB_LDATE_LDATE(LDATE#2024-03-01, LDATE#2024-02-28) -> 172800.0
+        LTIME SUB_LTOD_LTOD(LTOD#10:00:00, LTOD#09:00:00.5) -> 3599.5
+        LTIME SUB_LDT_LDT(LDT#2000-01-02-00:00:00, LDT#2000-01-01-12:00:00) -> 43200.0
+        LDT CONCAT_DATE_LTOD(D#1970-01-02, LTOD#00:00:00.5) -> 86400.5
+        LDT CONCAT_LDATE_LTOD(LDATE#1970-01-02, LTOD#00:00:00.5) -> 86400.5
+        LDATE CONCAT_LDATE(1970, 1, 3) -> 172800.0
+        LTOD CONCAT_LTOD(1, 2, 3, 4) -> 3723.004
+        LDT CONCAT_LDT(1970, 1, 2, 1, 2, 3, 500) -> 90123.5
+    """
+    )
+
+
 def test_composing():
     check(
         """
@@ -59,6 +79,19 @@ def test_splitting():
     )
     plc.scan()
     assert [plc[f"PLC_PRG.{v}"] for v in "y m d h n s f".split()] == [2024, 2, 29, 13, 14, 15, 0]
+    assert [plc[f"PLC_PRG.{v}2"] for v in "y m d h n s f".split()] == [1999, 12, 31, 23, 59, 58, 7]
+
+
+def test_splitting_long_types():
+    plc = Plc(
+        "PROGRAM PLC_PRG\nVAR\n  y, m, d, h, n, s, f, y2, m2, d2, h2, n2, s2, f2 : INT;\nEND_VAR\n"
+        "SPLIT_LDT(LDT#2024-02-29-13:14:15 + LTIME#250ms, YEAR => y, MONTH => m, DAY => d, HOUR => h, MINUTE => n,\n"
+        "  SECOND => s, MILLISECOND => f);\n"
+        "SPLIT_LDATE(LDATE#1999-12-31, YEAR => y2, MONTH => m2, DAY => d2);\n"
+        "SPLIT_LTOD(LTOD#23:59:58.007, HOUR => h2, MINUTE => n2, SECOND => s2, MILLISECOND => f2);\nEND_PROGRAM\n"
+    )
+    plc.scan()
+    assert [plc[f"PLC_PRG.{v}"] for v in "y m d h n s f".split()] == [2024, 2, 29, 13, 14, 15, 250]
     assert [plc[f"PLC_PRG.{v}2"] for v in "y m d h n s f".split()] == [1999, 12, 31, 23, 59, 58, 7]
 
 
