@@ -96,7 +96,7 @@ _TEXTS = rf"""
   | [{_Q}][^\n'{_Q}]*[{_Q}'](?=[ \t]*(?:[),;=<>+]|$))
   | '[^\n'{_Q}]*[{_Q}]
   | [{_Q}][^\n'{_Q}),;]*
-  | ['"][^\n'"),;]*
+  | ['"][^\n'"),;]*?(?=[ \t]+(?i:THEN|DO|OF)\b|[\n'"),;]|\Z)
 """
 # groups: 1 word, number or sign, 2 comment, 3 pragma, 4 string, 5 comment or pragma without end, 6 anything else;
 # STRING#'x' says nothing that 'x' does not

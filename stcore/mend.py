@@ -12,7 +12,7 @@ import re
 from typing import TYPE_CHECKING
 
 from stcore import syntax as s
-from stcore.lexer import KEYWORDS, KIND, NAME, WORDS, Tokens
+from stcore.lexer import END_KINDS, KEYWORDS, KIND, NAME, WORDS, Tokens
 from stcore.words import CLOSER_OF, CLOSING, UNIT_STARTERS
 
 if TYPE_CHECKING:
@@ -50,6 +50,8 @@ def lost_semicolon(r: Repairs, at: int) -> int | None:
     tokens = r.tokens
     if at == 0 or not (tokens.kinds[at] == 0 or tokens.starts_line(at)):
         return None
+    if r.machine.states[-1] in r.anchors or tokens.kinds[at - 1] in END_KINDS:
+        return None  # nothing there that it could end
     # where a block ends, it may end wrongly for reasons of its own
     kind = tokens.kinds[at]
     enough = at if kind == 0 or kind in CLOSING or kind in UNIT_STARTERS else min(at + _TRUSTED, len(tokens.kinds))

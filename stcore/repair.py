@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from stcore import blocks, mend, tables
-from stcore.lexer import KIND, NAME, TERMINALS, WORDS
+from stcore.lexer import END_KINDS, KIND, NAME, TERMINALS, WORDS
 from stcore.words import CLOSER_OF, CLOSERS, CLOSING, UNIT_STARTERS, keyword_kind, near_keywords, text_for, word
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ _LISTS = ("statement", "declaration", "unit", "section", "type_declaration", "co
 _INSERT = {
     "THEN": 0.8, "DO": 0.8, "OF": 0.8, "TO": 0.8, "SEMI": 1.2, "RPAR": 1.0, "RBRACKET": 1.0, "COLON": 1.2, "ASSIGN": 1.2,
     "END_VAR": 1.0, "END_STRUCT": 1.0, "END_TYPE": 1.2, "END_REPEAT": 1.0, "UNTIL": 1.4, "LPAR": 1.3, "LBRACKET": 1.3,
-    "COMMA": 1.3, "NUMBER": 1.6, "NAME": 1.7, "BINOP": 1.8, "DOTDOT": 1.4, "VAR": 1.5, "IF": 1.6, "FOR": 1.7,
+    "COMMA": 1.15, "NUMBER": 1.6, "NAME": 1.7, "BINOP": 1.8, "DOTDOT": 1.4, "VAR": 1.5, "IF": 1.6, "FOR": 1.7,
     "WHILE": 1.8, "CASE": 1.7, "PROGRAM": 1.6, "FUNCTION": 1.8, "TYPE": 1.7, "STRUCT": 1.5, "ARRAY": 1.4, "DOT": 2.0,
     "ELSIF": 2.2, "ELSE": 2.2, "VAR_GLOBAL": 1.8, "FUNCTION_BLOCK": 1.9, "POINTER": 2.0, "UNION": 2.5, "NOT": 9.0,
     "BY": 2.0, "ON": 1.5, "TASK": 1.8, "RESOURCE": 2.0,
@@ -151,13 +151,15 @@ class Repairs:
 
     def open_blocks(self) -> list[tuple[int, int]]:
         """(entry, token) of every block begun and not closed, the innermost last."""
-        machine = self.machine
         kinds = self.tokens.kinds
-        return [
-            (entry, value)
-            for entry, value in enumerate(machine.values)
-            if type(value) is int and kinds[value] in CLOSER_OF
-        ]
+        blocks: list[tuple[int, int]] = []
+        for entry, value in enumerate(self.machine.values):
+            if type(value) is int:
+                if kinds[value] in CLOSER_OF:
+                    blocks.append((entry, value))
+                elif blocks and kinds[value] == CLOSER_OF[kinds[blocks[-1][1]]]:
+                    blocks.pop()  # read to its end, only not yet made into a node
+        return blocks
 
     def reads(self, depth: int, edit: tuple[int, ...], at: int, limit: int) -> int:
         """How far it reads from a stack cut to `depth`, with `edit` put before token `at`: the first token that does
@@ -260,9 +262,12 @@ class Repairs:
             yield scored("reserved", (NAME,), token + 1, 1.5)
 
     def _unlikely(self, kind: int, token: int) -> float:
-        """A semicolon is forgotten at the end of a line rather than within one, an operator the other way round."""
+        """A semicolon is forgotten at the end of a line rather than within one, an operator the other way round; after
+        a complete statement it is no repair."""
         starts_line = self.tokens.starts_line(token)
         if kind == KIND["SEMI"]:
+            if token and self.tokens.kinds[token - 1] in END_KINDS | {kind}:
+                return LOOK
             return 0.0 if starts_line else 0.7
         return 0.6 if kind == KIND["BINOP"] and starts_line else 0.0
 
