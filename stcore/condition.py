@@ -36,7 +36,9 @@ class _Known(CheckedProject):
             if "." in path:
                 head, _, name = path.rpartition(".")
                 self._know(name, var)
-                self._know(head, GlobalList(head, set())).variables.add(name)
+                group = self._know(head, GlobalList(head, set()))
+                if isinstance(group, GlobalList):  # else the variable of a program, at a direct address
+                    group.variables.add(name)
         for variable in program.programs():
             for name, field in variable.type.members.items():
                 static = field.section == "VAR_STAT"
