@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 AXIS_BYTES = 200 << 20  # memory that the curves of the axes may take
 CURVES = ("prfPos", "prfVel", "prfAcc")
 FLAGS = {"drive.enabled": "enabled", "moving": "moving", "drive.alarm": "alarm"}
-MAX_LANES = 12
-MAX_PANELS = 6
+MAX_LANES = 24
+MAX_PANELS = 16
 
 
 @dataclass(slots=True)
@@ -89,6 +89,9 @@ def compose(plc: PLC | None, trace: Trace, title: str, watched: list[str] | None
             values.append(_value_panel(place, column))
     if numbers and not (watched and lanes):
         lanes = _axis_lanes(plc, trace, numbers) + lanes
+    left_out = max(0, len(values) - MAX_PANELS) + max(0, len(lanes) - MAX_LANES)
+    if left_out:
+        title = f"{title} ({left_out} more values are not shown)".strip()
     return Picture(title, trace.time, panels + values[:MAX_PANELS], lanes[:MAX_LANES])
 
 

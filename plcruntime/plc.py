@@ -81,6 +81,11 @@ class PLC:
         program, project = build(source, config, strict=strict)
         return cls(program, interval=interval, project=project, watchdog=watchdog)
 
+    def __repr__(self) -> str:
+        name = Path(self.program.files[0]).name if self.program.files else "PLC"
+        state = f", fault {self.fault.code}" if self.fault else ""
+        return f"<PLC {name}: {self.scans} scans, {self.time:.9g} s{state}>"
+
     # ---------------------------------------------------------------------------------------- variables
 
     def place(self, path: str) -> Place:

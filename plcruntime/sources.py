@@ -43,8 +43,8 @@ def gather(
 
 
 def is_text(item: str | Path) -> bool:
-    """True for the text of a program: no file's name has a line break or ends with a keyword."""
-    return isinstance(item, str) and ("\n" in item or item.rstrip().upper().endswith(("END_PROGRAM", ";")))
+    """True for the text of a program: no file's name has a line break, and hardly one a semicolon."""
+    return isinstance(item, str) and ("\n" in item or ";" in item and not Path(item).exists())
 
 
 def _of_project(project: Project) -> list[Path | Source]:

@@ -1,15 +1,18 @@
-"""``scancycle list``: the library's functions and blocks, as a table or as JSON."""
+"""``scancycle list``: the library's functions and blocks, for reading or as JSON."""
 
 from __future__ import annotations
 
 import argparse
 import sys
+import textwrap
 from dataclasses import asdict
 from fnmatch import fnmatchcase
 from pathlib import Path
 
 from plcruntime import catalogue
 from plcruntime.cli import DONE, FAILED, output
+
+WIDTH = 110
 
 
 def execute(arguments: argparse.Namespace) -> int:
@@ -23,8 +26,8 @@ def execute(arguments: argparse.Namespace) -> int:
     if not found:
         print(f"scancycle: nothing in the library matches {arguments.pattern}", file=sys.stderr)
         return FAILED
-    rows = ((e.kind, e.signature, e.summary, e.units, _short(e.file), e.source) for e in found)
-    output.print_table(("kind", "signature", "what it does", "units", "file", "source"), rows)
+    for entry in found:
+        print(_card(entry, sys.stdout.isatty()))
     print(f"{len(found)} in the library")
     return DONE
 
@@ -33,6 +36,18 @@ def _matches(entry: catalogue.Entry, pattern: str) -> bool:
     """A pattern with * or ? is of the whole name; else it may stand anywhere in it."""
     name, pattern = entry.name.upper(), pattern.upper()
     return fnmatchcase(name, pattern) if set(pattern) & set("*?[") else pattern in name
+
+
+def _card(entry: catalogue.Entry, coloured: bool) -> str:
+    """Signature, what it does, its details, where it comes from."""
+    signature = textwrap.fill(entry.signature, WIDTH, subsequent_indent="        ")
+    if coloured:
+        signature = signature.replace(entry.name, f"\x1b[1;36m{entry.name}\x1b[0m", 1)
+    texts = [entry.summary]
+    texts += [f"{key}: {text}" for key in ("units", "ranges", "returns") if (text := getattr(entry, key))]
+    texts += [" - ".join(part for part in (entry.kind.replace("_", " "), entry.source, _short(entry.file)) if part)]
+    lines = [textwrap.fill(t, WIDTH, initial_indent="    ", subsequent_indent="        ") for t in texts if t]
+    return "\n".join([signature, *lines, ""])
 
 
 def _short(file: str) -> str:

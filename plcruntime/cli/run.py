@@ -284,5 +284,4 @@ class Run:
         else:
             from plcruntime.plot import draw
 
-            watched = self.watched or (trace.names if trace is self.trace else None)
-            draw(trace, path, plc=self.plc, title=title, watched=watched or None)
+            draw(trace, path, plc=self.plc, title=title, watched=self.watched or None)

@@ -91,6 +91,14 @@ def test_the_same_run_gives_the_same_picture(moved, tmp_path):
     assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
 
 
+def test_more_than_fits_is_said(moved, monkeypatch):
+    from plcruntime import picture
+
+    monkeypatch.setattr(picture, "MAX_LANES", 1)
+    plc, trace = moved
+    assert compose(plc, trace, "x", WATCHED).title == "x (2 more values are not shown)"
+
+
 def test_nothing_to_draw(plc, tmp_path):
     trace = plc.trace("run")
     with pytest.raises(UsageError, match="nothing to draw"):

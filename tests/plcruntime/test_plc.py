@@ -45,6 +45,13 @@ def test_tasks_run_every_so_many_scans():
     assert struct.unpack_from("<3i", memory, TASK_RATIOS) == (2, 3, 5)
 
 
+def test_real_time(plc):
+    plc.run("20ms", realtime=True)
+    assert plc.scans == 20
+    assert plc.run_until(lambda: plc["counter"] == 25, realtime=True) == 0.025
+    assert repr(plc) == "<PLC PLC: 25 scans, 0.025 s>"
+
+
 def test_run_until_a_python_condition(plc):
     assert plc.run_until(lambda p: p["counter"] >= 7) == 0.007
     assert plc.run_until(lambda: plc["counter"] == 9) == 0.009
