@@ -208,3 +208,14 @@ def test_power_operator():
     """,
         "  x : LREAL := 7.0;",
     )  # fmt: skip
+
+
+def test_formal_calls():
+    check(
+        """
+        LREAL COS(IN := 0.0) -> 1.0
+        LREAL LN(EN := TRUE, IN := 1.0) -> 0.0
+        LREAL ATAN2(Y := 0.0, X := 1.0) -> 0.0
+        LREAL EXPT(base := 3.0, exponent := 4.0) -> 81.0
+    """
+    )
