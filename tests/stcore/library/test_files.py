@@ -35,9 +35,36 @@ def test_form(file):
     assert max(map(len, text.splitlines())) <= 120
 
 
-def test_all_compile():
+def test_all_blocks_check():
     """All blocks in one program, without a message."""
     blocks = [f.stem for f in FILES if re.search(r"^FUNCTION_BLOCK", f.read_text(encoding="utf-8"), re.M)]
     declared = "".join(f"  b{i} : {name};\n" for i, name in enumerate(blocks))
     text = f"PROGRAM PLC_PRG\nVAR\n{declared}END_VAR\nEND_PROGRAM\n"
     assert diagnose([Source(text, "all.st")]) == []
+
+
+def test_all_functions_check():
+    """A call of every function with variables of its inputs' types, generic ones with STRING and with WSTRING."""
+    declared, calls = [], []
+    for file in FILES:
+        text = COMMENT.sub("", file.read_text(encoding="utf-8"))
+        head = re.search(r"^FUNCTION (\w+)( <T: ANY_STRING>)?(?: : (\w+))?", text, re.M)
+        if not head or file.stem.startswith("__"):
+            continue
+        name, generic, result = head.groups()
+        inputs = re.search(r"VAR_INPUT(.*?)END_VAR", text, re.S)
+        pairs = re.findall(r"^  (\w+(?:, \w+)*) : ([\w()]+);", inputs[1], re.M) if inputs else []
+        kinds = [kind for names, kind in pairs for _ in names.split(",")]
+        for t in ("STRING", "WSTRING") if generic and not name.startswith(("STRING", "WSTRING")) else (None,):
+            t = t or ("WSTRING" if name.startswith("W") else "STRING")
+            actual = [t if k == "T" else k for k in kinds]
+            args = [f"v{len(declared) + i}" for i in range(len(actual))]
+            declared += [f"  {a} : {k};" for a, k in zip(args, actual, strict=True)]
+            call = f"{name}({', '.join(args)})"
+            if result:
+                declared.append(f"  v{len(declared)} : {t if result == 'T' else result};")
+                call = f"v{len(declared) - 1} := {call}"
+            calls.append(call + ";")
+    lines = ["PROGRAM PLC_PRG", "VAR", *declared, "END_VAR", *calls, "END_PROGRAM"]
+    assert len(calls) > 150
+    assert [str(d) for d in diagnose([Source("\n".join(lines), "all.st")])] == []
