@@ -34,28 +34,22 @@ class Elementary(Type):
     size: int
     signed: bool = False
     align: int = 0
+    wasm: str = ""
+    access: str = ""
+    bits: int = 0
+    low: int = 0
+    high: int = 0
 
     def __post_init__(self) -> None:
         self.align = self.size
+        self.wasm = ("f" if self.kind == "real" else "i") + ("64" if self.size == 8 else "32")
+        self.access = f"{self.size * 8}_{'s' if self.signed else 'u'}" if self.size < 4 else ""
+        self.bits = 1 if self.kind == "bool" else self.size * 8
+        self.low = -(1 << (self.size * 8 - 1)) if self.signed else 0
+        self.high = 1 if self.kind == "bool" else (1 << (self.size * 8 - self.signed)) - 1
 
     def __reduce__(self):
         return _elementary, (self.name,)
-
-    @property
-    def wasm(self) -> str:
-        return ("f" if self.kind == "real" else "i") + ("64" if self.size == 8 else "32")
-
-    @property
-    def bits(self) -> int:
-        return 1 if self.kind == "bool" else self.size * 8
-
-    @property
-    def low(self) -> int:
-        return -(1 << (self.size * 8 - 1)) if self.signed else 0
-
-    @property
-    def high(self) -> int:
-        return 1 if self.kind == "bool" else (1 << (self.size * 8 - self.signed)) - 1
 
 
 def _elementary(name: str) -> Elementary:
@@ -246,9 +240,13 @@ class Block(Type):
 
 def base_of(t: Type) -> Type:
     """The elementary type that stores an ENUM or a subrange; any other type unchanged."""
-    return t.base if isinstance(t, Enum | SubrangeType) else t
+    kind = t.__class__  # asked for every expression: quicker than isinstance
+    return t.base if kind is Enum or kind is SubrangeType else t
 
 
 def is_aggregate(t: Type) -> bool:
     """True for what is passed and copied as bytes: strings, arrays, structures, instances."""
-    return isinstance(t, String | Array | Struct | Block)
+    return t.__class__ in _AGGREGATES
+
+
+_AGGREGATES = frozenset((String, Array, Struct, Block))

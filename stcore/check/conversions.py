@@ -19,7 +19,7 @@ TIME_UNIT = {
 def kind_of(kind: t.Type) -> str:
     """'int', 'bits', 'real', 'bool', 'time', 'date', 'char', 'literal', 'error', or the class of type."""
     base = t.base_of(kind)
-    return base.kind if isinstance(base, t.Elementary) else type(base).__name__.lower()
+    return base.kind if base.__class__ is t.Elementary else base.__class__.__name__.lower()
 
 
 def same(a: t.Type, b: t.Type) -> bool:

@@ -42,11 +42,7 @@ def wasm_type(kind: t.Type) -> str:
 
 def _access(kind: t.Type) -> tuple[str, str]:
     base = t.base_of(kind)
-    if not isinstance(base, t.Elementary):
-        return "i32", ""
-    if base.size < 4:
-        return "i32", f"{base.size * 8}_{'s' if base.signed else 'u'}"
-    return base.wasm, ""
+    return (base.wasm, base.access) if base.__class__ is t.Elementary else ("i32", "")
 
 
 def _at(base: str, offset: int) -> str:
