@@ -107,14 +107,9 @@ def _panel(ax, panel: Panel, time) -> None:
     elif len(panel.curves) > 1:
         for k, curve in enumerate(panel.curves):
             ax.lines[k].set_label(f"{curve.label}: {_range_text(curve, panel.title.startswith('Position'))}")
-        ax.legend(
-            loc="upper right",
-            fontsize=7.5,
-            frameon=True,
-            framealpha=0.85,
-            edgecolor="none",
-            ncols=min(4, len(panel.curves)),
-        )
+        # above the plot: no curve runs there
+        above = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.1, "frameon": False}
+        ax.legend(fontsize=8, ncols=min(4, len(panel.curves)), **above)
 
 
 def _extremes(ax, curve: Curve, position: bool) -> None:
