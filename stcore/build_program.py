@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import functools
+import gc
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from stcore import syntax as s
@@ -17,15 +19,33 @@ from stcore.scope import Pou, Var, key
 from stcore.source import Source
 
 
+def uncollected(function: Callable) -> Callable:
+    """Run without the garbage collector: a build makes many small objects and frees none on the way."""
+
+    @functools.wraps(function)
+    def wrapper(*args, **kwargs):
+        collecting = gc.isenabled()
+        gc.disable()
+        try:
+            return function(*args, **kwargs)
+        finally:
+            if collecting:
+                gc.enable()
+
+    return wrapper
+
+
+@uncollected
 def check_only(sources: list[Source], libraries: Sequence[Path], strict: bool) -> list[Diagnostic]:
     project, reporter, _ = _checked(sources, libraries, strict)
     return reporter.sorted()
 
 
+@uncollected
 def build(
-    sources: list[Source], tasks: list[TaskSpec] | None, libraries: Sequence[Path], strict: bool
+    sources: list[Source], tasks: list[TaskSpec] | None, libraries: Sequence[Path], strict: bool, probes: bool = False
 ) -> tuple[Program, list[str]]:
-    """The Program, and the paths of everything else that it was made of."""
+    """The Program, and the paths of everything else that it was made of. probes: a build that can stop anywhere."""
     project, reporter, user_pous = _checked(sources, libraries, strict)
     if not reporter.failed:
         tasks = tasks or _tasks(project, user_pous, reporter, sources)
@@ -44,7 +64,8 @@ def build(
     for pou in user_pous:
         if pou.kind == "PROGRAM":
             project.instance(pou)  # its variables can be looked at, even if no task runs it
-    program = _emit(project, tasks, reporter, sources)
+    program = _emit(project, tasks, reporter, sources, user_pous, probes)
+    program.libraries = [str(x) for x in libraries]
     named = {x.path for x in sources}
     used = [p for p in project.loaded if p not in named]
     folders = {str(Path(p).parent) for p in (*named, *used) if Path(p).is_file()}
@@ -117,10 +138,13 @@ def _configured(project: CheckedProject) -> list[TaskSpec]:
     return sorted((x for x in tasks.values() if x.programs), key=lambda x: x.priority)
 
 
-def _emit(project: CheckedProject, tasks: list[TaskSpec], reporter: Reporter, sources: list[Source]) -> Program:
+def _emit(
+    project: CheckedProject, tasks: list[TaskSpec], reporter: Reporter, sources: list[Source], pous: list[Pou],
+    probes: bool,
+) -> Program:  # fmt: skip
     hooks = [p for p in project.reached if "call_after_scan" in p.attributes]
-    emitter = ModuleEmitter(project)
-    text = emitter.emit(tasks, hooks)
+    emitter = ModuleEmitter(project, probes)
+    text = emitter.emit(tasks, hooks, [p for p in pous if not p.tree.generics])
     program = Program(
         wasm=assemble(text), image=emitter.image(), image_end=emitter.image_end, limit=emitter.limit,
         sites=emitter.sites, externals=emitter.externals, tasks=tasks, diagnostics=reporter.sorted(),
@@ -129,6 +153,9 @@ def _emit(project: CheckedProject, tasks: list[TaskSpec], reporter: Reporter, so
     for area, name in (("I", "inputs"), ("Q", "outputs"), ("M", "markers")):
         setattr(program, name, (emitter.areas[area], project.areas[area]))
     program.types = dict(project.named_types)
+    program.routines = emitter.routines()
+    if probes:
+        program.bodies, program.probed, program.probes = emitter.bodies, list(emitter.probed), emitter.stack_top
     _variables(program, project, emitter)
     return program
 

@@ -17,16 +17,18 @@ Files = Sequence[Path | str | Source]
 
 
 def compile(  # noqa: A001 - the verb that users know
-    files: Files, *, tasks: list[TaskSpec] | None = None, libraries: Sequence[Path] = (), strict: bool = False
-) -> Program:
+    files: Files, *, tasks: list[TaskSpec] | None = None, libraries: Sequence[Path] = (), strict: bool = False,
+    probes: bool = False,
+) -> Program:  # fmt: skip
     """Compile ST files (folders stand for the .st files in them) to a Program.
 
     tasks: which programs run; by default those of a CONFIGURATION, else PLC_PRG, else MAIN, else the only program.
     libraries: folders of ST besides the standard library. strict: mends of printed listings are errors.
+    probes: the same program, able to stop in front of every statement (slower).
     Raises CompileError with all diagnostics, OSError for a file that can't be read.
     """
     sources = _sources(files)
-    key = _build_key(sources, tasks, libraries, strict)
+    key = _build_key(sources, tasks, libraries, strict, probes)
     kept = cache.load("build", key)
     if kept is not None:
         program = _unpack(kept, key)
@@ -34,7 +36,7 @@ def compile(  # noqa: A001 - the verb that users know
             return program
     from stcore.build_program import build  # the compiler proper is not loaded for a build that is kept
 
-    program, used = build(sources, tasks, [LIBRARY, *map(Path, libraries)], strict)
+    program, used = build(sources, tasks, [LIBRARY, *map(Path, libraries)], strict, probes)
     cache.store("build", key, _pack(program, used))
     return program
 
@@ -48,7 +50,7 @@ def diagnose(files: Files, *, libraries: Sequence[Path] = (), strict: bool = Fal
 
 def compile_condition(program: Program, text: str) -> bytes:
     """An ST expression of type BOOL over the program's variables, for Machine.set_until. Raises CompileError."""
-    from stcore.condition import compile_condition as make
+    from stcore.side import compile_condition as make
 
     return make(program, text)
 
@@ -76,8 +78,10 @@ def _own_fingerprint() -> bytes:
     return cache.fingerprint(files)
 
 
-def _build_key(sources: list[Source], tasks: list[TaskSpec] | None, libraries: Sequence[Path], strict: bool) -> str:
-    parts = [_own_fingerprint(), repr((tasks, [str(x) for x in libraries], strict)).encode()]
+def _build_key(
+    sources: list[Source], tasks: list[TaskSpec] | None, libraries: Sequence[Path], strict: bool, probes: bool
+) -> str:
+    parts = [_own_fingerprint(), repr((tasks, [str(x) for x in libraries], strict, probes)).encode()]
     for source in sources:
         parts += [source.path.encode(), source.text.encode("utf-8", "surrogatepass")]
     return cache.digest(*parts)

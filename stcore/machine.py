@@ -20,6 +20,7 @@ _TRAPS = {
     wasmtime.TrapCode.STACK_OVERFLOW: "F0105",
 }
 _PAGE = 65536
+SIDE = "side"  # the name that side modules carry
 
 
 def _engine() -> wasmtime.Engine:
@@ -67,6 +68,7 @@ class Machine:
     """Runs a Program. The image can be read and written between runs, also after a fault.
 
     host: name of an external -> Python function. An external that is missing is a fault (F0106) when it is called.
+    on_probe: called by a probed build where it stops, with (site, body, address of the instance, of the stack frame).
     """
 
     def __init__(self, program: Program, host: Mapping[str, Callable] | None = None) -> None:
@@ -74,8 +76,12 @@ class Machine:
         self._store = wasmtime.Store(engine())
         module = load_module(program.wasm)
         imports = [self._import(e, (host or {}).get(e.name)) for e in program.externals]
+        self.on_probe: Callable[[int, int, int, int], None] | None = None
+        if program.probes:
+            imports.insert(0, self._probe())
         self._instance = wasmtime.Instance(self._store, module, imports)
         exports = self._instance.exports(self._store)
+        self._exports = exports
         self._memory: wasmtime.Memory = exports["memory"]
         self._hooks: wasmtime.Table = exports["hooks"]
         self._run: wasmtime.Func = exports["run"]
@@ -84,6 +90,7 @@ class Machine:
         self._top = exports["stack_top"].value(self._store)
         self._host_error: BaseException | None = None
         self._used = program.limit
+        self._conditions: dict[bytes, wasmtime.Func] = {}
         self._view: memoryview | None = None
         self._grow_to(program.limit + 64)
         self.initialise()
@@ -124,7 +131,9 @@ class Machine:
         memory[INTERVAL : INTERVAL + 8] = interval if any(interval) else struct.pack("<q", 10**6)
         default = struct.pack("<I", 1) * len(program.tasks)
         memory[TASK_RATIOS : TASK_RATIOS + len(default)] = ratios if any(ratios) else default
-        memory[program.image_end : program.limit] = bytes(program.limit - program.image_end)
+        end = program.stack_top  # the counts of a probed build are not the program's
+        memory[program.image_end : end] = bytes(end - program.image_end)
+        self._conditions.clear()
         self._call(self._init)
 
     def run(self, scans: int) -> int:
@@ -141,7 +150,8 @@ class Machine:
             raise self._fault(trap) from None
 
     def _fault(self, trap: wasmtime.Trap) -> Fault:
-        frames = [(f.func_index, f.module_offset) for f in trap.frames]
+        # what the user typed runs in a module of its own: the program's part of the stack tells the place
+        frames = [(f.func_index, f.module_offset) for f in trap.frames if f.module_name != SIDE]
         return locate(self.program, self.memory, _TRAPS.get(trap.trap_code, ""), frames, str(self._host_error or ""))
 
     def interrupt(self) -> None:
@@ -154,11 +164,56 @@ class Machine:
     def set_until(self, condition: bytes | None) -> None:
         """End a run after the scan in which the condition (compile_condition) holds; None: no condition."""
         if condition is not None:
-            instance = wasmtime.Instance(self._store, wasmtime.Module(engine(), condition), [self._memory])
-            self._hooks.set(self._store, 0, instance.exports(self._store)["condition"])
+            if condition not in self._conditions:
+                self._conditions.clear()
+                self._conditions[condition] = self._link(condition)["side"]
+            self._hooks.set(self._store, 0, self._conditions[condition])
         struct.pack_into("<i", self.memory, UNTIL, condition is not None)
 
+    # ------------------------------------------------------------------------------------- side modules
+
+    def _link(self, wasm: bytes):
+        """The exports of a side module (stcore/side.py), which shares this machine's memory, stack and functions."""
+        module = wasmtime.Module(engine(), wasm)
+        imports = [self._exports[i.name] for i in module.imports]
+        exports = wasmtime.Instance(self._store, module, imports).exports(self._store)
+        exports["init"](self._store)
+        return exports
+
+    def side(self, wasm: bytes) -> Callable[..., int]:
+        """The function of a side module. It raises Fault like `run`, and may be called while a probe stops."""
+        function = self._link(wasm)["side"]
+        return lambda *args: self._nested(function, args)
+
+    def call(self, export: str) -> object:
+        """Call a function of the module that takes nothing (program.routines names it). Raises Fault."""
+        return self._nested(self._exports[export], ())
+
+    def _nested(self, function: wasmtime.Func, args: tuple) -> object:
+        """A call that leaves the stack of a suspended run as it is."""
+        before = self._sp.value(self._store)
+        if not self.program.image_end < before <= self._top:
+            self._sp.set_value(self._store, wasmtime.Val.i32(self._top))
+        self._host_error = None
+        struct.pack_into("<i", self.memory, HOST_FAILED, 0)
+        try:
+            return function(self._store, *args)
+        except wasmtime.Trap as trap:
+            raise self._fault(trap) from None
+        finally:
+            self._sp.set_value(self._store, wasmtime.Val.i32(before))
+            struct.pack_into("<i", self.memory, HOST_FAILED, 0)
+
     # --------------------------------------------------------------------------------------------- host
+
+    def _probe(self) -> wasmtime.Func:
+        kinds = [wasmtime.ValType.i32()] * 4
+
+        def stop(site: int, body: int, this: int, frame: int) -> None:
+            if self.on_probe is not None:
+                self.on_probe(site, body, this, frame)
+
+        return wasmtime.Func(self._store, wasmtime.FuncType(kinds, []), stop)
 
     def _import(self, external: External, function: Callable | None) -> wasmtime.Func:
         kinds = [_value_type(k) for _, k in external.parameters]

@@ -5,7 +5,9 @@ pickled. One memory image holds every variable of every instance:
 
     0 .. 1023            the system area (addresses below): never a variable, so a NULL pointer is always caught
     1024 .. image_end    %I, %Q, %M, then globals, programs and their instances: the image that snapshots copy
-    image_end .. limit   the stack of functions' own arrays, strings and structures
+    image_end .. limit   SIDE_SIZE bytes for side modules (stcore/side.py), above them the stack of functions' own
+                         arrays, strings and structures
+    then                 in a probed build: a count and a flag for each site
     limit ..             what the host allocates: trace buffers and tables
 """
 
@@ -30,8 +32,12 @@ TRACE = 80  # UDINT address, UDINT count: table of (UDINT address, UDINT size)
 TRACE_NEXT = 88  # UDINT address of the next row in the buffer
 TRACE_END = 92  # UDINT end of the buffer; a row that does not fit is not written
 UNTIL = 96  # DINT, 1: table slot 0 holds the condition that ends a run
-TASK_RATIOS = 128  # DINT for each task: it runs when SCAN MOD ratio = 0
+STOP = 100  # DINT, probed builds: 0 run on, 1 stop at flagged sites, 2 at every statement that is not too deep
+DEPTH = 104  # DINT, probed builds: calls of POUs that are under way
+STOP_DEPTH = 108  # DINT, probed builds: the depth up to which STOP = 2 stops
+TASK_RATIOS = 128  # DINT for each task: it runs when SCAN MOD ratio = 0; 0 switches it off
 NULL_PAGE = 1024
+SIDE_SIZE = 64 * 1024  # bytes below the stack for the constants of side modules
 
 
 @dataclass(slots=True)
@@ -78,6 +84,52 @@ class External:
 
 
 @dataclass(slots=True)
+class Parameter:
+    """A parameter of a function. default: the bytes of its initial value, b'' when they are all zero."""
+
+    name: str
+    type: Type
+    section: str
+    constant: bool = False
+    default: bytes = b""
+
+
+@dataclass(slots=True)
+class Routine:
+    """The code of a POU under the name by which the module exports it, for side modules and tests.
+
+    parameters, result: of a FUNCTION; a block has its own in its type. actions: upper-case name -> export.
+    """
+
+    name: str
+    kind: str
+    export: str
+    parameters: list[Parameter] = field(default_factory=list)
+    result: Type | None = None
+    actions: dict[str, str] = field(default_factory=dict)
+    library: bool = False
+    file: str = ""
+    line: int = 0
+    attributes: dict = field(default_factory=dict)
+
+
+@dataclass(slots=True)
+class Body:
+    """The code of a POU or an action in a probed build: what can be seen when it stops there.
+
+    block: the type of its instance, None for a function. address: of a program's one instance. locals: name, type,
+    offset in the stack frame, and whether the frame holds the variable's address. hook: called after the tasks.
+    """
+
+    pou: str
+    block: Block | None
+    address: int | None
+    locals: list[tuple[str, Type, int, bool]]
+    library: bool
+    hook: bool
+
+
+@dataclass(slots=True)
 class TaskSpec:
     """A task of the configuration: programs in order, every `interval` ns, highest priority (lowest number) first."""
 
@@ -107,6 +159,16 @@ class Program:
     diagnostics: list[Diagnostic] = field(default_factory=list)
     files: list[str] = field(default_factory=list)  # of the user, then of the library
     library_blocks: dict[str, Block] = field(default_factory=dict)
+    libraries: list[str] = field(default_factory=list)  # folders that library names come from
+    routines: dict[str, Routine] = field(default_factory=dict)  # upper-case name -> POU in the module, the user's first
+    bodies: list[Body] = field(default_factory=list)  # of a probed build
+    probed: list[int] = field(default_factory=list)  # sites at which a probed build can stop: statements
+    probes: int = 0  # address of the sites' counts (4 bytes each) and flags (1 byte each); 0: not probed
+
+    @property
+    def stack_top(self) -> int:
+        """The end of the stack, and of all memory that the program may use."""
+        return self.probes or self.limit
 
     def programs(self) -> list[Variable]:
         """The user's program instances, in order."""

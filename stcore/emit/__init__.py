@@ -11,19 +11,26 @@ from stcore.declare import align
 from stcore.emit.function import FunctionEmitter
 from stcore.emit.image import ImageBuilder, Late, encode_text
 from stcore.emit.values import store, wasm_type
-from stcore.program import NULL_PAGE, TASK_RATIOS, External, Site, TaskSpec
+from stcore.program import NULL_PAGE, SIDE_SIZE, TASK_RATIOS, Body, External, Parameter, Routine, Site, TaskSpec
 from stcore.scope import Pou, Var
 from stcore.source import Source
 
 STACK_SIZE = 256 * 1024
 _KERNEL = Path(__file__).parent / "kernel.wat"
+_PROBES = Path(__file__).parent / "probes.wat"
 
 
 class ModuleEmitter:
-    """Emits everything that the tasks reach. `emit` gives the text; then image, sites, functions are complete."""
+    """Emits everything that the tasks reach. `emit` gives the text; then image, sites, functions are complete.
 
-    def __init__(self, project) -> None:
+    probes: put a stop in front of every statement (emit/probes.wat); everything else stays the same.
+    """
+
+    def __init__(self, project, probes: bool = False) -> None:
         self.project = project
+        self.probes = probes
+        self.bodies: list[Body] = []
+        self.probed: dict[int, None] = {}  # sites of statements
         self.images = ImageBuilder(project)
         self.sites: list[Site] = []
         self._site_index: dict[tuple, int] = {}
@@ -111,28 +118,61 @@ class ModuleEmitter:
 
     # ------------------------------------------------------------------------------------------- module
 
-    def emit(self, tasks: list[TaskSpec], hooks: list[Pou]) -> str:
-        """The module's text. tasks name programs of the project; hooks run after the tasks of every scan."""
+    def emit(self, tasks: list[TaskSpec], hooks: list[Pou], kept: list[Pou]) -> str:
+        """The module's text. tasks name programs of the project; hooks run after the tasks of every scan; kept are in
+        the module even if nothing calls them."""
         scan = self._scan(tasks, hooks)
+        for pou in kept:
+            self.need(pou)
+            for action in pou.actions.values():
+                self.need_action(pou, action)
         start = self._initialisation()
         self._drain()
         limit = self.image_end = align(self.constants_at + len(self.constants), 16)
-        limit += STACK_SIZE
+        limit += SIDE_SIZE + STACK_SIZE
         self.limit = limit
         parts = ["(module", *self._imports(), _KERNEL.read_text(encoding="utf-8")]
+        if self.probes:
+            self.limit += 5 * len(self.sites)
+            parts.append(_PROBES.read_text(encoding="utf-8"))
+            parts.append(f"(global $counts i32 (i32.const {limit}))")
+            parts.append(f"(global $flags i32 (i32.const {limit + 4 * len(self.sites)}))")
+        self.stack_top = limit
         parts += [
             f"(global $span i32 (i32.const {limit - NULL_PAGE}))",
-            f"(global $stack i32 (i32.const {self.image_end}))",
+            f"(global $stack i32 (i32.const {self.image_end + SIDE_SIZE}))",
             f"(global (export \"stack_top\") i32 (i32.const {limit}))",
             scan,
             start,
             *self.functions,
+            *(f'(export "{symbol[1:]}" (func {symbol}))' for symbol in self.needed),
             ")",
         ]
         return "\n".join(parts)
 
+    def routines(self) -> dict[str, Routine]:
+        """Every POU of the module by upper-case name, but for the instances of generic functions."""
+        found: dict[str, Routine] = {}
+        pous = {pou: None for pou, _ in self.needed.values() if not pou.bindings}
+        for pou in sorted(pous, key=lambda p: p.library):
+            routine = Routine(
+                pou.name, pou.kind, pou.symbol[1:], library=pou.library, file=pou.source.path,
+                line=pou.source.position(pou.tree.name_start)[0], attributes=pou.attributes,
+            )  # fmt: skip
+            if pou.kind == "FUNCTION":
+                routine.parameters = [self._parameter(p) for p in pou.parameters]
+                routine.result = pou.result.type if pou.result is not None else None
+            names = {n: f"{pou.symbol}.{a.name}" for n, a in pou.actions.items()}
+            routine.actions = {n: symbol[1:] for n, symbol in names.items() if symbol in self.needed}
+            found.setdefault(pou.name.upper(), routine)
+        return found
+
+    def _parameter(self, var: Var) -> Parameter:
+        data = self.images.of_variable(var)[0] if var.section != "VAR_IN_OUT" else b""
+        return Parameter(var.name, var.type, var.section, var.constant, data if any(data) else b"")
+
     def _imports(self) -> list[str]:
-        lines = []
+        lines = ['(import "host" "probe" (func $probe (param i32 i32 i32 i32)))'] if self.probes else []
         for e in self.externals:
             params = " ".join(f"(param {wasm_type(k)})" for _, k in e.parameters)
             result = f"(result {wasm_type(e.result)})" if e.result else ""
@@ -153,7 +193,7 @@ class ModuleEmitter:
             if len(tasks) > 1:
                 ratio = f"(i64.extend_i32_u (i32.load (i32.const {TASK_RATIOS + 4 * i})))"
                 due = f"(i64.eqz (i64.rem_u (i64.load (i32.const 24)) {ratio}))"
-                text = f"(if {due} (then {text}))"
+                text = f"(if (i32.load (i32.const {TASK_RATIOS + 4 * i})) (then (if {due} (then {text}))))"
             lines.append(text)
         for pou in hooks:
             self.need(pou)
@@ -166,6 +206,9 @@ class ModuleEmitter:
             emitter = FunctionEmitter(self, pou, pou.source, pou.address if pou.kind == "PROGRAM" else None)
             body = pou.tree.body if action is None else action.body
             self.functions.append(emitter.code(body, name, is_pou=action is None))
+            if self.probes:
+                hook = "call_after_scan" in pou.attributes
+                self.bodies[emitter.number] = Body(pou.name, pou.type, pou.address, emitter.seen, pou.library, hook)
 
     def _initialisation(self) -> str:
         """$init: the initial values that are not constants, each in the names of its own instance."""

@@ -41,6 +41,9 @@ class FunctionEmitter(Statements):
         self.ranges: dict[Var, tuple[int, int]] = {}
         self.shadows: dict[Var, str] = {}
         self.rounds = 1
+        self.probed = False
+        self.number = -1  # of the body, in a probed build
+        self.seen: list[tuple[str, t.Type, int, bool]] = []  # what a probed build shows of the frame
 
     # ------------------------------------------------------------------------------------------- output
 
@@ -109,6 +112,10 @@ class FunctionEmitter(Statements):
     def code(self, body: list[s.Node], name: str, *, is_pou: bool = True) -> str:
         """The whole (func ...) of a body."""
         pou = self.pou
+        if self.module.probes:
+            self.probed = True
+            self.number = len(self.module.bodies)
+            self.module.bodies.append(None)  # filled in when its frame is known
         params: list[str] = []
         results: list[str] = []
         if pou.kind == "FUNCTION":
@@ -125,7 +132,8 @@ class FunctionEmitter(Statements):
     def _assemble(self, name, params, results, prologue, main) -> str:
         head = f"(func {name} {' '.join(params)} {' '.join(f'(result {r})' for r in results)}"
         parts = [head, " ".join(self.declared)]
-        if self.frame_size:
+        framed = self.frame_size or self.probed
+        if framed:
             size = (self.frame_size + 7) // 8 * 8
             site = self.marker(self.pou.tree, "F0105")
             parts[1] += " (local $fp i32)"
@@ -134,10 +142,14 @@ class FunctionEmitter(Statements):
                 f" (then {site} (call $fault)))\n(global.set $sp (local.get $fp))"
             )
         parts += prologue
+        if self.probed:
+            parts.append("(call $enter)")
         parts.append("(block $return")
         parts += main
         parts.append(")")
-        if self.frame_size:
+        if self.probed:
+            parts.append("(call $leave)")
+        if framed:
             parts.append(f"(global.set $sp (i32.add (local.get $fp) (i32.const {size})))")
         parts += self._results()
         parts.append(")")
@@ -175,18 +187,29 @@ class FunctionEmitter(Statements):
     def _take_parameter(self, p: Var, name: str) -> None:
         if p.indirect:
             self.locals_of[p] = name
+            self._show_address(p, name)
         elif t.is_aggregate(p.type):
             if not p.written and not p.addressed and not self.pou.writes_outside:
                 p.indirect = True  # never changed here: the caller's own bytes will do
                 self.locals_of[p] = name
+                self._show_address(p, name)
             else:
                 self.frame_of[p] = offset = self.frame(p.type.size, p.type.align)
+                self.seen.append((p.name, p.type, offset, False))
                 self.line(self.copy_bytes(p.type, address("(local.get $fp)", offset), f"(local.get {name})", p.type))
-        elif p.addressed:
+        elif p.addressed or self.probed:
             self.frame_of[p] = offset = self.frame(p.type.size, p.type.align)
+            self.seen.append((p.name, p.type, offset, False))
             self.line(store(p.type, "(local.get $fp)", offset, f"(local.get {name})"))
         else:
             self.locals_of[p] = name
+
+    def _show_address(self, var: Var, name: str) -> None:
+        """A probed build keeps the address of what is passed by reference where it can be seen."""
+        if self.probed and not getattr(var.type, "open", 0):
+            offset = self.frame(4, 4)
+            self.seen.append((var.name, var.type, offset, True))
+            self.line(store(t.DWORD, "(local.get $fp)", offset, f"(local.get {name})"))
 
     def _declare_result(self, params: list[str], results: list[str]) -> None:
         result = self.pou.result
@@ -195,6 +218,7 @@ class FunctionEmitter(Statements):
             params.append(f"(param {name} i32)")
             result.indirect = True
             self.locals_of[result] = name
+            self._show_address(result, name)
             self._set_default(result)
         else:
             results.append(wasm_type(result.type))
@@ -209,8 +233,9 @@ class FunctionEmitter(Statements):
 
     def _local_variable(self, var: Var) -> None:
         """Place a variable in a local, or in the frame if its address matters, with its initial value."""
-        if t.is_aggregate(var.type) or var.addressed:
-            self.frame_of[var] = self.frame(var.type.size, var.type.align)
+        if t.is_aggregate(var.type) or var.addressed or self.probed:
+            self.frame_of[var] = offset = self.frame(var.type.size, var.type.align)
+            self.seen.append((var.name, var.type, offset, False))
             self._set_default(var)
             return
         name = self._name(var)

@@ -26,7 +26,16 @@ class Statements(Calls):
             self.statement(node)
 
     def statement(self, node: s.Node) -> None:
+        if self.probed and not isinstance(node, s.Label):
+            self._probe(node)
         self.STATEMENTS[type(node)](self, node)
+
+    def _probe(self, node: s.Node) -> None:
+        """Here a probed build can stop."""
+        site = self.module.site(self.source, node, self.pou.name, "", "")
+        self.module.probed[site] = None
+        this = self.this_address() if self.pou.type is not None else "(i32.const 0)"
+        self.line(f"(call $stop (i32.const {site}) (i32.const {self.number}) {this} (local.get $fp))")
 
     # ---------------------------------------------------------------------------------------- assignment
 

@@ -1,0 +1,16 @@
+;; Only in a probed build: what stands in front of every statement. Addresses as in stcore/program.py.
+
+(func $stop (param $site i32) (param $body i32) (param $this i32) (param $frame i32) (local $count i32)
+  (local.set $count (i32.add (global.get $counts) (i32.shl (local.get $site) (i32.const 2))))
+  (i32.store (local.get $count) (i32.add (i32.load (local.get $count)) (i32.const 1)))
+  (if (i32.load (i32.const 100))
+    (then
+      (if (i32.or
+            (i32.load8_u (i32.add (global.get $flags) (local.get $site)))
+            (i32.and
+              (i32.eq (i32.load (i32.const 100)) (i32.const 2))
+              (i32.le_s (i32.load (i32.const 104)) (i32.load (i32.const 108)))))
+        (then (call $probe (local.get $site) (local.get $body) (local.get $this) (local.get $frame)))))))
+
+(func $enter (i32.store (i32.const 104) (i32.add (i32.load (i32.const 104)) (i32.const 1))))
+(func $leave (i32.store (i32.const 104) (i32.sub (i32.load (i32.const 104)) (i32.const 1))))
