@@ -1,7 +1,7 @@
 """Example 7-1 of the iDEABOX 3 manual as printed (7.2.3): point-to-point motion with smoothing.
 
-50000 pulse at 50 pulse/ms, acceleration 0.25, deceleration 0.125 pulse/ms2, smoothing time 25 ms. Without smoothing that is
-a trapezoid of 200 + 700 + 400 ms. Smoothing time is "the time in which the acceleration changes" (7.2.2): every ramp of
+50000 pulse at 50 pulse/ms, acceleration 0.25, deceleration 0.125 pulse/ms2, smoothing time 25 ms. Without smoothing that
+is a trapezoid of 200 + 700 + 400 ms. Smoothing time is "the time in which the acceleration changes" (7.2.2): every ramp of
 the velocity becomes 25 ms longer, as if the trapezoid had gone through a moving average of 25 ms. 1325 ms in all.
 """
 
@@ -24,7 +24,8 @@ def integral(t: float) -> float:
     """Integral of the position of the unsmoothed trapezoid from 0 to t ms, pulse * ms."""
     total = 0.0
     for begin, length, p, v, a in (
-        (0, 200, 0.0, 0.0, 0.25), (200, 700, 5000.0, 50.0, 0.0), (900, 400, 40000.0, 50.0, -0.125), (1300, 1e9, 50000.0, 0.0, 0.0),
+        (0, 200, 0.0, 0.0, 0.25), (200, 700, 5000.0, 50.0, 0.0),
+        (900, 400, 40000.0, 50.0, -0.125), (1300, 1e9, 50000.0, 0.0, 0.0),
     ):  # fmt: skip
         d = min(max(t - begin, 0.0), length)
         total += p * d + v * d**2 / 2 + a * d**3 / 6

@@ -35,7 +35,9 @@ END_PROGRAM
 """
 EDGE = ("absolute", "second", "relative", "additive", "halt", "stop", "stop2", "reset", "velocity")
 MOTION = ("absolute", "second", "relative", "additive", "halt", "stop", "stop2", "velocity", "jog", "inch")
-STATES = ("Disabled", "Errorstop", "Stopping", "StandStill", "DiscreteMotion", "ContinuousMotion", "SynchronizedMotion", "Homing")
+STATES = (
+    "Disabled", "Errorstop", "Stopping", "StandStill", "DiscreteMotion", "ContinuousMotion", "SynchronizedMotion", "Homing",
+)  # fmt: skip
 
 
 class Bench:

@@ -1,4 +1,4 @@
-"""MC_ blocks on one axis: states, outputs, aborts, errors; after every scan conftest checks the rules of PLCopen Part 1."""
+"""MC_ blocks on one axis: states, outputs, aborts, errors. After every scan conftest checks PLCopen Part 1's rules."""
 
 import math
 import random
@@ -6,7 +6,7 @@ import random
 import pytest
 
 MOVE = {"Velocity": 1000.0, "Acceleration": 10000.0, "Deceleration": 10000.0, "Jerk": 0.0}  # 0.1 s to full speed
-SLOW_ERROR = {"NOT_READY": 34, "MA": 201, "MR": 226, "MAD": 251, "MV": 301, "MS": 181, "ERRORSTOP": 183}
+ERRORS = {"NOT_READY": 34, "MA": 201, "MR": 226, "MAD": 251, "MV": 301, "MS": 181, "ERRORSTOP": 183}
 
 
 def test_power_takes_one_scan_and_shows_busy(bench):
@@ -132,7 +132,7 @@ def test_stop_locks_the_axis_until_execute_falls(bench):
     bench.start("stop", Deceleration=10000.0)
     assert bench.state == "Stopping"
     bench.start("absolute", Position=5.0, **MOVE)
-    assert bench["absolute.Error"] and bench["absolute.ErrorID"] == SLOW_ERROR["NOT_READY"]
+    assert bench["absolute.Error"] and bench["absolute.ErrorID"] == ERRORS["NOT_READY"]
     bench.until("stop.Done")
     bench.scan(50)
     assert bench.state == "Stopping" and bench["ax.fSetVelocity"] == 0.0
@@ -167,10 +167,10 @@ def test_a_second_stop_brings_errorstop(bench):
     bench.scan(5)
     bench.continuous = False  # an emergency stop
     bench.start("stop2", Deceleration=1000.0)
-    assert bench["stop2.Error"] and bench["stop2.ErrorID"] == SLOW_ERROR["ERRORSTOP"]
+    assert bench["stop2.Error"] and bench["stop2.ErrorID"] == ERRORS["ERRORSTOP"]
     bench.scan()
     assert bench.state == "Errorstop" and bench["stop.Error"]
-    assert bench["fault.AxisError"] and bench["fault.AxisErrorID"] == SLOW_ERROR["ERRORSTOP"]
+    assert bench["fault.AxisError"] and bench["fault.AxisErrorID"] == ERRORS["ERRORSTOP"]
     for name in ("stop", "stop2"):
         bench[f"{name}.Execute"] = False
     bench.scan()
@@ -198,7 +198,7 @@ def test_a_second_stop_brings_errorstop(bench):
 def test_wrong_values_are_errors_and_nothing_moves(bench, block, inputs, error):
     bench.power()
     bench.start(block, **inputs)
-    assert bench[f"{block}.Error"] and bench[f"{block}.ErrorID"] == SLOW_ERROR[error]
+    assert bench[f"{block}.Error"] and bench[f"{block}.ErrorID"] == ERRORS[error]
     moves = block in ("absolute", "relative", "additive")
     bench.scan(10)
     # the AM600 manual: the axis shows discrete motion although the command was refused
@@ -213,7 +213,7 @@ def test_wrong_values_are_errors_and_nothing_moves(bench, block, inputs, error):
 
 def test_nothing_moves_without_power(bench):
     bench.start("absolute", Position=5.0, **MOVE)
-    assert bench["absolute.Error"] and bench["absolute.ErrorID"] == SLOW_ERROR["NOT_READY"]
+    assert bench["absolute.Error"] and bench["absolute.ErrorID"] == ERRORS["NOT_READY"]
     assert bench.state == "Disabled"
 
 
@@ -378,8 +378,8 @@ def test_random_commands_never_have_two_owners_nor_a_jump(bench):
         bench[f"{block}.Execute"] = False
         bench.scan()
         inputs = {
-            "Velocity": rng.uniform(50, 2000), "Acceleration": rng.uniform(1000, 20000), "Deceleration": rng.uniform(1000, 20000),
-            "Jerk": rng.choice([0.0, 50000.0, 500000.0]),
+            "Velocity": rng.uniform(50, 2000), "Acceleration": rng.uniform(1000, 20000),
+            "Deceleration": rng.uniform(1000, 20000), "Jerk": rng.choice([0.0, 50000.0, 500000.0]),
         }  # fmt: skip
         if block in ("absolute", "second"):
             inputs["Position"] = rng.uniform(-500, 500)

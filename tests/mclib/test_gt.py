@@ -1,4 +1,4 @@
-"""GT_ commands: return codes under the documented conditions, status word, limits, alarm, in-position, Jog, Trap on the fly.
+"""GT_ commands: return codes under the documented conditions, status word, limits, alarm, in-position, Jog, Trap.
 
 Commands are called from a PROGRAM whose variables are the arguments; 'job' says which one runs in the next scan.
 """
@@ -11,16 +11,19 @@ COMMANDS = {
     1: "GT_AxisOn(a)", 2: "GT_AxisOff(a)", 3: "GT_ClrSts(a, n)", 4: "GT_PrfTrap(a)", 5: "GT_PrfJog(a)",
     6: "GT_SetTrapPrm(a, ADR(trap))", 7: "GT_GetTrapPrm(a, ADR(trap))", 8: "GT_SetJogPrm(a, ADR(jog))",
     9: "GT_GetJogPrm(a, ADR(jog))", 10: "GT_SetPos(a, x)", 11: "GT_GetPos(a, ADR(x))", 12: "GT_SetVel(a, v)",
-    13: "GT_GetVel(a, ADR(v))", 14: "GT_Update(x)", 15: "GT_Stop(x, y)", 16: "GT_SetPrfPos(a, x)", 17: "GT_ZeroPos(a, n)",
-    18: "GT_GetPrfPos(a, ADR(values), n, ADR(clock))", 19: "GT_GetSts(a, ADR(words), n)", 20: "GT_SetSoftLimit(a, x, y)",
-    21: "GT_GetSoftLimit(a, ADR(x), ADR(y))", 22: "GT_SetStopDec(a, v, w)", 23: "GT_GetStopDec(a, ADR(v), ADR(w))",
-    24: "GT_SetAxisBand(a, x, y)", 25: "GT_GetAxisBand(a, ADR(x), ADR(y))", 26: "GT_Open()", 27: "GT_Close()", 28: "GT_Reset()",
-    29: "GT_GetClock(ADR(clock))", 30: "GT_LmtsOff(a, n)", 31: "GT_LmtsOn(a, n)", 32: "GT_AlarmOff(a)", 33: "GT_AlarmOn(a)",
-    34: "GT_ProfileScale(a, p, q)", 35: "GT_EncScale(a, p, q)", 36: "GT_SetEncPos(a, x)", 37: "GT_SynchAxisPos(x)",
-    38: "GT_GetPrfMode(a, ADR(words), n)", 39: "GT_GetEncPos(a, ADR(values), n)", 40: "GT_GetAxisPrfPos(a, ADR(values), n)",
-    41: "GT_GetAxisEncPos(a, ADR(values), n)", 42: "GT_GetAxisError(a, ADR(values), n)", 43: "GT_SetPosErr(a, x)",
-    44: "GT_GetPosErr(a, ADR(x))", 45: "GT_LoadConfig(file)", 46: "GT_GetPrfPos(a, 0, n)", 47: "GT_GetEncVel(a, ADR(values), n)",
-    48: "GT_GetAxisEncAcc(a, ADR(values), n)", 49: "GT_GetPrfAcc(a, ADR(values), n)", 50: "GT_GetPrfVel(a, ADR(values), n)",
+    13: "GT_GetVel(a, ADR(v))", 14: "GT_Update(x)", 15: "GT_Stop(x, y)", 16: "GT_SetPrfPos(a, x)",
+    17: "GT_ZeroPos(a, n)", 18: "GT_GetPrfPos(a, ADR(values), n, ADR(clock))", 19: "GT_GetSts(a, ADR(words), n)",
+    20: "GT_SetSoftLimit(a, x, y)", 21: "GT_GetSoftLimit(a, ADR(x), ADR(y))", 22: "GT_SetStopDec(a, v, w)",
+    23: "GT_GetStopDec(a, ADR(v), ADR(w))", 24: "GT_SetAxisBand(a, x, y)", 25: "GT_GetAxisBand(a, ADR(x), ADR(y))",
+    26: "GT_Open()", 27: "GT_Close()", 28: "GT_Reset()", 29: "GT_GetClock(ADR(clock))", 30: "GT_LmtsOff(a, n)",
+    31: "GT_LmtsOn(a, n)", 32: "GT_AlarmOff(a)", 33: "GT_AlarmOn(a)", 34: "GT_ProfileScale(a, p, q)",
+    35: "GT_EncScale(a, p, q)", 36: "GT_SetEncPos(a, x)", 37: "GT_SynchAxisPos(x)",
+    38: "GT_GetPrfMode(a, ADR(words), n)", 39: "GT_GetEncPos(a, ADR(values), n)",
+    40: "GT_GetAxisPrfPos(a, ADR(values), n)", 41: "GT_GetAxisEncPos(a, ADR(values), n)",
+    42: "GT_GetAxisError(a, ADR(values), n)", 43: "GT_SetPosErr(a, x)", 44: "GT_GetPosErr(a, ADR(x))",
+    45: "GT_LoadConfig(file)", 46: "GT_GetPrfPos(a, 0, n)", 47: "GT_GetEncVel(a, ADR(values), n)",
+    48: "GT_GetAxisEncAcc(a, ADR(values), n)", 49: "GT_GetPrfAcc(a, ADR(values), n)",
+    50: "GT_GetPrfVel(a, ADR(values), n)",
 }  # fmt: skip
 PROGRAM = f"""
 PROGRAM PLC_PRG
@@ -79,7 +82,8 @@ def gt():
     return Controller()
 
 
-SINGLE = ["GT_AxisOn", "GT_AxisOff", "GT_PrfTrap", "GT_PrfJog", "GT_SetPos", "GT_SetVel", "GT_AlarmOff", "GT_ClrSts", "GT_GetSts"]
+MODES = ("GT_PrfTrap", "GT_PrfJog")
+SINGLE = ["GT_AxisOn", "GT_AxisOff", "GT_PrfTrap", "GT_PrfJog", "GT_SetPos", "GT_SetVel", "GT_AlarmOff", "GT_GetSts"]
 
 
 @pytest.mark.parametrize("axis", [0, 13, -1])
@@ -89,7 +93,9 @@ def test_axis_numbers_are_1_to_12(gt, command, axis):
     assert "12" in gt.why
 
 
-@pytest.mark.parametrize(("axis", "count", "code"), [(1, 12, 0), (12, 1, 0), (12, 2, 7), (1, 13, 7), (1, 0, 7), (5, 32767, 7)])
+@pytest.mark.parametrize(
+    ("axis", "count", "code"), [(1, 12, 0), (12, 1, 0), (12, 2, 7), (1, 13, 7), (1, 0, 7), (5, 32767, 7)]
+)
 def test_count_may_not_run_past_the_last_axis(gt, axis, count, code):
     assert gt("GT_GetPrfMode", a=axis, n=count) == code
 
@@ -141,7 +147,7 @@ def test_range_of_target_position(gt, x, code):
 def test_commands_refused_while_moving(gt):
     gt("GT_AxisOn")
     gt.trap(target=100000)
-    for command in ("GT_PrfTrap", "GT_PrfJog", "GT_SetTrapPrm", "GT_SetPrfPos", "GT_ZeroPos", "GT_AxisOn", "GT_ProfileScale"):
+    for command in (*MODES, "GT_SetTrapPrm", "GT_SetPrfPos", "GT_ZeroPos", "GT_AxisOn", "GT_ProfileScale"):
         assert gt(command, p=1, q=1) == 1, command
         assert "GT_Stop" in gt.why
     assert gt("GT_LoadConfig", file="test.cfg") == 1

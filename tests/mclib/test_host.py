@@ -88,4 +88,4 @@ def test_axes_are_numbered_in_order_of_declaration():
 
 def test_more_axes_than_the_simulator_has():
     with pytest.raises(ValueError, match="65.*64"):
-        PLC.load("PROGRAM PLC_PRG VAR a : ARRAY[1..65] OF AXIS_REF_SM3; p : MC_Power; END_VAR p(Axis := a[1]); END_PROGRAM")
+        PLC.load("PROGRAM PLC_PRG VAR a : ARRAY[1..65] OF AXIS_REF_SM3; p : MC_Power; END_VAR p(a[1]); END_PROGRAM")

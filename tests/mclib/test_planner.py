@@ -1,5 +1,5 @@
-"""The planner alone, over thousands of random moves: exact ends, no jumps, limits kept; as quick as ruckig where the limits
-are symmetric."""
+"""The planner alone, over thousands of random moves: exact ends, no jumps, limits kept; as quick as ruckig where the
+limits are symmetric."""
 
 import math
 import random
@@ -48,7 +48,8 @@ FOR i := 1 TO {COUNT} DO
                 ELSE m[i].shrinkSeen := MAX(m[i].shrinkSeen, ABS(a)); END_IF
             END_IF
         END_FOR
-        p1 := plan.piece[k].pos + d * (plan.piece[k].vel + d * (plan.piece[k].acc / 2.0 + d * plan.piece[k].jerk / 6.0));
+        p1 := plan.piece[k].pos
+            + d * (plan.piece[k].vel + d * (plan.piece[k].acc / 2.0 + d * plan.piece[k].jerk / 6.0));
         v1 := v; a1 := a;
     END_FOR
 END_FOR
