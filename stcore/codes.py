@@ -127,7 +127,6 @@ CODES: dict[str, Code] = {
     "E0601": Code("an integer constant is needed here"),
     "E0602": Code("{value} is outside {low}..{high} of {type}"),
     "E0603": Code("{op} by the constant 0"),
-    "E0604": Code("a list of values can only be an initial value"),
     "E0605": Code("a list of values can't initialise {type}"),
     "E0606": Code("{given} values for an array of {room}"),
     "E0607": Code("named values can't initialise {type}"),
@@ -135,6 +134,8 @@ CODES: dict[str, Code] = {
     "E0701": Code("there is no PROGRAM to run", "write PROGRAM PLC_PRG ... END_PROGRAM"),
     "E0702": Code("a task runs {name}, which is no PROGRAM", "{near}"),
     "E0703": Code("several programs and no task: {names}", "name one of them PLC_PRG, or configure tasks in plc.toml"),
+    "E0704": Code("{path} can't be read: {why}"),
+    "E0705": Code("there is no .st file in the folder {path}"),
     # --- F: faults of a running program
     "F0101": Code("the index {what} is {value}, outside {low}..{high}"),
     "F0102": Code("integer division by zero"),

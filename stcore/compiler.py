@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from stcore import cache
-from stcore.diagnostics import CompileError, Diagnostic
+from stcore.diagnostics import CompileError, Diagnostic, Reporter
 from stcore.program import Program, TaskSpec
 from stcore.source import Source, read
 
@@ -25,7 +25,7 @@ def compile(  # noqa: A001 - the verb that users know
     tasks: which programs run; by default those of a CONFIGURATION, else PLC_PRG, else MAIN, else the only program.
     libraries: folders of ST besides the standard library. strict: mends of printed listings are errors.
     probes: the same program, able to stop in front of every statement (slower).
-    Raises CompileError with all diagnostics, OSError for a file that can't be read.
+    Raises CompileError with all diagnostics.
     """
     sources = _sources(files)
     key = _build_key(sources, tasks, libraries, strict, probes)
@@ -56,14 +56,23 @@ def compile_condition(program: Program, text: str) -> bytes:
 
 
 def _sources(files: Files) -> list[Source]:
+    """The texts. Raises CompileError (E0704, E0705) with every file that can't be read."""
     sources: list[Source] = []
+    reporter = Reporter()
     for file in files:
         if isinstance(file, Source):
             sources.append(file)
-        elif Path(file).is_dir():
-            sources += [read(f) for f in sorted(Path(file).rglob("*.st"))]
-        else:
-            sources.append(read(file))
+            continue
+        paths = sorted(Path(file).rglob("*.st")) if Path(file).is_dir() else [Path(file)]
+        if not paths:
+            reporter.add("E0705", Source("", str(file)), 0, path=file)
+        for path in paths:
+            try:
+                sources.append(read(path))
+            except OSError as error:
+                reporter.add("E0704", Source("", str(path)), 0, path=path, why=error.strerror or error)
+    if reporter.failed:
+        raise CompileError(reporter.sorted())
     return sources
 
 

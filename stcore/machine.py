@@ -89,6 +89,7 @@ class Machine:
         self._sp: wasmtime.Global = exports["sp"]
         self._top = exports["stack_top"].value(self._store)
         self._host_error: BaseException | None = None
+        self._trapped = True  # the first call sets the stack up
         self._used = program.limit
         self._conditions: dict[bytes, wasmtime.Func] = {}
         self._view: memoryview | None = None
@@ -141,15 +142,18 @@ class Machine:
         return self._call(self._run, scans)
 
     def _call(self, function: wasmtime.Func, *args: int) -> int:
-        self._sp.set_value(self._store, wasmtime.Val.i32(self._top))
-        self._host_error = None
-        struct.pack_into("<i", self.memory, HOST_FAILED, 0)
+        if self._trapped:  # what trapped has not given its stack back
+            self._sp.set_value(self._store, wasmtime.Val.i32(self._top))
+            struct.pack_into("<i", self.memory, HOST_FAILED, 0)
+            self._host_error = None
+            self._trapped = False
         try:
             return function(self._store, *args)
         except wasmtime.Trap as trap:
             raise self._fault(trap) from None
 
     def _fault(self, trap: wasmtime.Trap) -> Fault:
+        self._trapped = True
         # what the user typed runs in a module of its own: the program's part of the stack tells the place
         frames = [(f.func_index, f.module_offset) for f in trap.frames if f.module_name != SIDE]
         return locate(self.program, self.memory, _TRAPS.get(trap.trap_code, ""), frames, str(self._host_error or ""))
@@ -169,6 +173,10 @@ class Machine:
                 self._conditions[condition] = self._link(condition)["side"]
             self._hooks.set(self._store, 0, self._conditions[condition])
         struct.pack_into("<i", self.memory, UNTIL, condition is not None)
+
+    def until_holds(self) -> bool:
+        """Whether the condition of set_until holds now: a run that ends with its last scan does not tell."""
+        return bool(self._hooks.get(self._store, 0)(self._store))
 
     # ------------------------------------------------------------------------------------- side modules
 

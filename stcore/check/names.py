@@ -284,7 +284,7 @@ class Names(Conversions):
                 self._outside(write)
             case s.Name() if isinstance(node.symbol, Pou) or node.symbol == "this":
                 self._outside(write)
-            case s.Call():
+            case s.Call() if node.type is not None and t.is_aggregate(node.type):
                 self._outside(write)
             case _:
                 self.error("E0319", whole, name=self.text(whole))
