@@ -1,8 +1,9 @@
 """Example 7-1 of the iDEABOX 3 manual as printed (7.2.3): point-to-point motion with smoothing.
 
-50000 pulse at 50 pulse/ms, acceleration 0.25, deceleration 0.125 pulse/ms2, smoothing time 25 ms. Without smoothing that
-is a trapezoid of 200 + 700 + 400 ms. Smoothing time is "the time in which the acceleration changes" (7.2.2): every ramp of
-the velocity becomes 25 ms longer, as if the trapezoid had gone through a moving average of 25 ms. 1325 ms in all.
+50000 pulse at 50 pulse/ms, acceleration 0.25, deceleration 0.125 pulse/ms2, smoothing time 25 ms. Without smoothing
+that is a trapezoid of 200 + 700 + 400 ms. Smoothing time is "the time in which the acceleration changes" (7.2.2): every
+ramp of the velocity becomes 25 ms longer, as if the trapezoid had gone through a moving average of 25 ms. 1325 ms in
+all.
 """
 
 from pathlib import Path

@@ -36,7 +36,8 @@ END_PROGRAM
 EDGE = ("absolute", "second", "relative", "additive", "halt", "stop", "stop2", "reset", "velocity")
 MOTION = ("absolute", "second", "relative", "additive", "halt", "stop", "stop2", "velocity", "jog", "inch")
 STATES = (
-    "Disabled", "Errorstop", "Stopping", "StandStill", "DiscreteMotion", "ContinuousMotion", "SynchronizedMotion", "Homing",
+    "Disabled", "Errorstop", "Stopping", "StandStill", "DiscreteMotion", "ContinuousMotion", "SynchronizedMotion",
+    "Homing",
 )  # fmt: skip
 
 
