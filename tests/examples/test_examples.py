@@ -11,7 +11,7 @@ from plcruntime.cli import main
 
 FOLDER = Path(__file__).resolve().parents[2] / "examples_st"
 FILES = sorted(FOLDER.glob("*.st"))
-KEYS = ("run", "expect", "fault")
+KEYS = ("run", "expect", "fault", "errors")
 
 
 def directives(text: str) -> dict[str, str]:
@@ -54,6 +54,11 @@ def literal(text: str) -> object:
 def test_example(file, capsys):
     wanted = directives(file.read_text(encoding="utf-8"))
     assert wanted["shows"], "the first comment does not say what the program shows"
+    if "errors" in wanted:
+        assert main(["check", str(file), "--format", "json"]) == 1
+        found = json.loads(capsys.readouterr().out)["diagnostics"]
+        assert [f"{d['code']} in line {d['line']}" for d in found] == wanted["errors"].split("; ")
+        return
     expected = expectations(wanted.get("expect", ""))
     watch = ["--watch", ",".join(path for path, _, _ in expected)] if expected else []
 
