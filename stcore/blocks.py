@@ -23,21 +23,25 @@ _ELSE, _ELSIF, _UNTIL, _VAR, _IF = (KIND[n] for n in ("ELSE", "ELSIF", "UNTIL", 
 def repair(r: Repairs, at: int) -> int | None:
     """Handle a block that does not match at token `at`; the token to go on from, or None when that is not the case."""
     kind = r.tokens.kinds[at]
-    between = r.machine.states[-1] in r.anchors  # and not within a statement
-    if kind == _VAR and between and r.machine.values and isinstance(r.machine.values[-1], list):
+    if kind == _VAR and r.machine.states[-1] in r.statement_anchors:
         return _late_section(r, at)
     if kind not in CLOSING and kind not in UNIT_STARTERS and kind != 0:
         return None
     blocks = r.open_blocks()
     closers = _closers(r, at, blocks)
+    between = r.machine.states[-1] in r.anchors or r.reads(len(r.machine.values), (_IF,), at, at) == at
     if not between and not closers:
         return None
+    r.settled = -1  # blocks don't go wrong because of a slip shortly before
     if r.lost.get(kind) or (kind in (_ELSE, _ELSIF) and r.lost.get(KIND["END_IF"])):
         return _end_of_lost(r, at)
     if blocks and (after := _misspelt_end(r, at, blocks[-1])) is not None:
         return after
     stray_end = _stray_end(r, at)
     choices = []
+    lost_opener = _lost_opener(r, at)
+    if lost_opener:
+        choices.append((r.reads(*lost_opener[:3], at + _FAR), 1, "open"))
     if closers:
         choices.append((_reach(r, closers, at, at), 2, "close"))
     if kind in CLOSING:
@@ -50,6 +54,8 @@ def repair(r: Repairs, at: int) -> int | None:
     match max(choices)[2]:
         case "close":
             return _close(r, at, blocks, closers)
+        case "open":
+            return _open(r, at, *lost_opener)
         case "drop":
             return _drop(r, at, stray_end)
     return _swap(r, at, blocks[-1][1])
@@ -159,6 +165,24 @@ def _stray_end(r: Repairs, at: int) -> int:
             if kinds[token] == KIND["SEMI"]:
                 break
     return at + 1
+
+
+def _lost_opener(r: Repairs, at: int) -> tuple[int, tuple[int, ...], int] | None:
+    """Declarations read as labels up to END_VAR: where their VAR was lost, as (entries kept, edit, token)."""
+    depth = len(r.machine.values) - 1
+    if r.tokens.kinds[at] != KIND["END_VAR"] or depth < 0:
+        return None
+    first = r.machine.firsts[depth]
+    depth = r.depth_of(first)
+    return (depth, (_VAR,), first) if depth is not None else None
+
+
+def _open(r: Repairs, at: int, depth: int, edit: tuple[int, ...], token: int) -> int:
+    r.report_gap("E0102", token, what="VAR", where=f"before {r.tokens.texts[token]}")
+    r.tokens.insert(token, _VAR, "VAR")
+    r.cut(depth)
+    r.settled = at + 1
+    return token
 
 
 def _drop(r: Repairs, at: int, upto: int) -> int:

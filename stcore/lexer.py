@@ -86,7 +86,7 @@ _SIMPLE = rf"""
   | \d\w*+(?:\#\w+|\.\d\w*+(?:(?<=[eE])[+-]\d+)?|(?<=[eE])[+-]\d+)?
   | (?!(?i:W?STRING|W?CHAR)\#['"])[^\W\d]\w*+
   | %[A-Za-z]*\*?\d*(?:\.\d+)*
-  | -{{3,}}(?=[ \t]*$) | ={{3,}}(?=[ \t]*$) | \.(?:[ \t]*\.){{2,}} | …+
+  | -{{3,}}(?=[ \t]*$) | ={{3,}}(?=[ \t]*$) | (?<![\w\])])\.(?:[ \t]*\.){{2,}} | …+
   | :=|=>|<=|>=|<>|\*\*|\.\.|[-+*/=<>&,;:.\[\]^\#)]|\((?!\*)
 """
 _TEXTS = rf"""
@@ -111,6 +111,7 @@ _MASTER = re.compile(
   | \Z )"""
 )
 _NESTED = re.compile(r"\{\s*nested_comments\s*\}", re.I)
+_MAX_JUNK = 100
 _WORD = re.compile(r"[^\W\d]")
 
 
@@ -120,7 +121,7 @@ class Tokens:
     attributes: offset of a token -> the attribute pragmas in front of it. file_attributes: other pragmas, by name.
     """
 
-    __slots__ = ("source", "kinds", "starts", "ends", "texts", "attributes", "file_attributes", "soft")
+    __slots__ = ("source", "kinds", "starts", "ends", "texts", "attributes", "file_attributes", "soft", "junk")
 
     def __init__(self, source: Source) -> None:
         self.source = source
@@ -130,6 +131,7 @@ class Tokens:
         self.texts: list[str] = []
         self.attributes: dict[int, dict[str, str]] = {}
         self.file_attributes: dict[str, str] = {}
+        self.junk: list[int] = []  # where characters stood that are no tokens
         self.soft = False  # there are words whose neighbours decide what they are
 
     def insert(self, at: int, kind: int, text: str = "", offset: int | None = None) -> None:
@@ -235,7 +237,10 @@ def _unusual(match: re.Match, tokens: Tokens, problems: list[tuple]) -> None:
         problems.append(("W0112", start, end, {"found": text, "plain": plain}))
         kind, text = _KNOWN[plain], plain
     else:
-        problems.append(("E0105", start, end, {"found": text}))
+        # a run of them is one problem, and a file of them needs no list
+        if len(tokens.junk) < _MAX_JUNK and (not tokens.junk or start > tokens.junk[-1] + 1):
+            problems.append(("E0105", start, end, {"found": text}))
+        tokens.junk.append(start)
         return
     tokens.kinds.append(kind)
     tokens.starts.append(start)

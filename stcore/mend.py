@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from stcore import syntax as s
 from stcore.lexer import END_KINDS, KEYWORDS, KIND, NAME, WORDS, Tokens
-from stcore.words import CLOSER_OF, CLOSING, UNIT_STARTERS
+from stcore.words import CLOSER_OF, CLOSING, UNIT_STARTERS, near_keywords
 
 if TYPE_CHECKING:
     from stcore.repair import Change, Repairs
@@ -52,6 +52,8 @@ def lost_semicolon(r: Repairs, at: int) -> int | None:
         return None
     if r.machine.states[-1] in r.anchors or tokens.kinds[at - 1] in END_KINDS:
         return None  # nothing there that it could end
+    if tokens.kinds[at - 1] == NAME and tokens.starts_line(at - 1) and near_keywords(tokens.texts[at - 1]):
+        return None  # VAR_INPT alone on its line is no call
     # where a block ends, it may end wrongly for reasons of its own
     kind = tokens.kinds[at]
     enough = at if kind == 0 or kind in CLOSING or kind in UNIT_STARTERS else min(at + _TRUSTED, len(tokens.kinds))

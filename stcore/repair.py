@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 LOOK = 14  # tokens that a repair has to lead over to be trusted fully
 ENOUGH = 3  # tokens that it has to lead over at least
-MAX_REPAIRS = 400  # of one file; after that it is something else than ST
+MAX_REPAIRS = 200  # of one file; after that it is something else than ST
+_REST = 8_000  # tokens in which the other half of a block is looked for
 _SETTLED = 3  # tokens read since the last error, before the next one is its own
 
 # a state before one of these lists, or in it, is where reading can begin again
@@ -29,14 +30,17 @@ _LISTS = ("statement", "declaration", "unit", "section", "type_declaration", "co
 # what putting a token in costs; the likelier a slip, the cheaper
 _INSERT = {
     "THEN": 0.8, "DO": 0.8, "OF": 0.8, "TO": 0.8, "SEMI": 1.2, "RPAR": 1.0, "RBRACKET": 1.0, "COLON": 1.2, "ASSIGN": 1.2,
-    "END_VAR": 1.0, "END_STRUCT": 1.0, "END_TYPE": 1.2, "END_REPEAT": 1.0, "UNTIL": 1.4, "LPAR": 1.3, "LBRACKET": 1.3,
-    "COMMA": 1.15, "NUMBER": 1.6, "NAME": 1.7, "BINOP": 1.8, "DOTDOT": 1.4, "VAR": 1.5, "IF": 1.6, "FOR": 1.7,
-    "WHILE": 1.8, "CASE": 1.7, "PROGRAM": 1.6, "FUNCTION": 1.8, "TYPE": 1.7, "STRUCT": 1.5, "ARRAY": 1.4, "DOT": 2.0,
-    "ELSIF": 2.2, "ELSE": 2.2, "VAR_GLOBAL": 1.8, "FUNCTION_BLOCK": 1.9, "POINTER": 2.0, "UNION": 2.5, "NOT": 9.0,
-    "BY": 2.0, "ON": 1.5, "TASK": 1.8, "RESOURCE": 2.0,
+    "UNTIL": 1.4, "LPAR": 1.3, "LBRACKET": 1.3,
+    "COMMA": 1.15, "NUMBER": 1.6, "NAME": 1.7, "BINOP": 1.8, "DOTDOT": 1.4, "ARRAY": 1.4, "DOT": 2.0, "ELSIF": 2.2,
+    "ELSE": 2.2, "POINTER": 2.0, "BY": 2.0, "ON": 1.5, "TASK": 1.8,
+    # the beginnings of blocks, only where an end waits for one
+    "IF": 0.5, "FOR": 0.6, "WHILE": 0.7, "CASE": 0.6, "REPEAT": 0.9, "VAR": 0.5, "STRUCT": 0.7, "TYPE": 0.7,
+    "PROGRAM": 0.6, "FUNCTION": 0.8, "FUNCTION_BLOCK": 0.8, "VAR_GLOBAL": 0.8, "UNION": 0.9, "ACTION": 0.9,
+    "RESOURCE": 1.0, "CONFIGURATION": 1.0,
 }  # fmt: skip
 _INSERT_COSTS = {KIND[n]: cost for n, cost in _INSERT.items() if n in KIND}
-_INSERT_COSTS |= {closer: 2.4 for closer in CLOSER_OF.values() if closer not in _INSERT_COSTS}
+_INSERT_COSTS |= dict.fromkeys(CLOSER_OF.values(), 0.6)
+_BLOCK_WORDS = CLOSER_OF.keys() | set(CLOSER_OF.values())
 
 _SIGNS = frozenset(
     KIND[n] for n in (
@@ -46,6 +50,11 @@ _SIGNS = frozenset(
 )  # fmt: skip
 _LINKS = frozenset(KIND[n] for n in ("THEN", "DO", "OF", "TO", "BY"))
 _WORD_KINDS = frozenset(WORDS.values())
+_POU_ENDS = [KIND[n] for n in ("END_PROGRAM", "END_FUNCTION", "END_FUNCTION_BLOCK", "$END")]
+_OUTER = frozenset(
+    KIND[n] for n in ("PROGRAM", "FUNCTION", "FUNCTION_BLOCK", "TYPE", "VAR_GLOBAL", "RESOURCE", "CONFIGURATION")
+)
+_ENDINGS = CLOSING | UNIT_STARTERS | {0}
 _SECTION_STARTERS = frozenset(KIND[n] for n in ("VAR", "VAR_GLOBAL", "TYPE", "STRUCT"))
 
 
@@ -71,12 +80,15 @@ class Repairs:
         self.count = 0
         self.settled = -1  # an error before this token only follows from the last one
         self.panics: set[int] = set()
+        self._spare: dict[int, int] = {}
         self.lost: dict[int, int] = {}  # closers whose opener was skipped
         self.reads_program = False  # statements stood alone: their END_PROGRAM is not missed
         self.prompt = machine.prompt  # what was typed at a prompt needs no semicolon at its end
         names = self.table.nonterminals
         numbers = {i for i, name in enumerate(names) if name.removesuffix("s") in _LISTS}
         self.anchors = {i for i, row in enumerate(self.table.gotos) if numbers & row.keys()}
+        statement = names.index("statement")
+        self.statement_anchors = {i for i, row in enumerate(self.table.gotos) if statement in row}
         units = {names.index("unit"), names.index("units")}
         self.unit_anchors = {i for i, row in enumerate(self.table.gotos) if units & row.keys()}
 
@@ -108,7 +120,7 @@ class Repairs:
     def report(self, code: str, first: int, last: int, **fields) -> None:
         """An error or warning at the tokens first..last-1."""
         tokens = self.tokens
-        if code[0] == "E" and first < self.settled and code != "E0127":
+        if code[0] == "E" and (first < self.settled or self._junk_line(first)) and code != "E0127":
             return
         start = tokens.starts[first]
         end = max(tokens.ends[last - 1], start + 1)
@@ -116,9 +128,14 @@ class Repairs:
             start, end = tokens.starts[first - 1], tokens.ends[first - 1]
         self.machine.context.report(code, start, end, **fields)
 
+    def found(self, token: int) -> str:
+        """A token as a message shows it."""
+        text = self.tokens.texts[token] or word(0)
+        return text if len(text) <= 40 else f"{text[:37]}..."
+
     def report_gap(self, code: str, at: int, **fields) -> None:
         """An error or warning between the token before `at` and `at`."""
-        if code[0] == "E" and at < self.settled:
+        if code[0] == "E" and (at < self.settled or self._junk_line(at)):
             return
         offset = self.tokens.ends[at - 1] if at else 0
         self.machine.context.report(code, offset, offset + 1, **fields)
@@ -200,6 +217,7 @@ class Repairs:
     def search(self, at: int) -> Change | None:
         """The best change of one token, or None when none leads over the next few tokens."""
         best = None
+        self._spare.clear()
         for depth, token, penalty in self._places(at):
             for change in self._changes(depth, token, at, penalty):
                 if change is not None and (best is None or change.score > best.score):
@@ -235,6 +253,8 @@ class Repairs:
             reached = self.reads(depth, edit, upto, at + LOOK)
             if reached >= len(kinds) or reached >= at + LOOK:
                 score = LOOK - cost - penalty
+            elif reached > at and kinds[reached] in _ENDINGS:
+                score = LOOK - cost - penalty - 0.5  # that a block ends wrongly there is another matter
             elif reached - at >= ENOUGH:
                 score = reached - at - cost - penalty - 3
             else:
@@ -243,16 +263,21 @@ class Repairs:
 
         for inserted in row:
             cost = _INSERT_COSTS.get(inserted)
-            if cost is not None and (not far or inserted in _SECTION_STARTERS):
-                yield scored("insert", (inserted,), token, cost + self._unlikely(inserted, token))
+            if cost is not None and (inserted in _SECTION_STARTERS or not far):
+                change = scored("insert", (inserted,), token, cost + self._unlikely(inserted, token))
+                yield change if change and self._lacks_half(inserted, at) else None
         if far or kind == 0:
             return
         again = token and kinds[token - 1] == kind and tokens.texts[token - 1].upper() == tokens.texts[token].upper()
-        yield scored("delete", (), token + 1, 0.3 if again else 1.5 if kind in _SIGNS else 1.9)
+        yield scored("delete", (), token + 1, 0.3 if again else 1.8 if kind in _SIGNS else 1.9)
         if kind == NAME:
             for keyword, away in near_keywords(tokens.texts[token])[:6]:
+                wanted = keyword_kind(keyword)
                 cost = 0.4 * away + (0.6 if len(keyword) < 4 else 0.0)
-                yield scored("keyword", (keyword_kind(keyword),), token + 1, cost, keyword)
+                change = scored("keyword", (wanted,), token + 1, cost, keyword)
+                if change and wanted in _BLOCK_WORDS:  # what has lost its other half is what was meant
+                    change = change._replace(score=change.score + (0.8 if self._lacks_half(wanted, at) else -0.5))
+                yield change
             if split := mend.glued(tokens.texts[token]):
                 yield scored("split", (keyword_kind(split), NAME), token + 1, 0.5, split)
         elif kind in _SIGNS or kind in _LINKS:
@@ -261,10 +286,48 @@ class Repairs:
         if kind in _WORD_KINDS and NAME in row:
             yield scored("reserved", (NAME,), token + 1, 1.5)
 
+    def _lacks_half(self, word: int, at: int) -> bool:
+        """Whether a word that begins or ends a block would find its other half alone; True for any other word."""
+        if word not in _BLOCK_WORDS:
+            return True
+        opens = word in CLOSER_OF
+        closer = CLOSER_OF[word] if opens else word
+        if closer not in self._spare:
+            self._spare[closer] = self._count_spare(closer, at)
+        return self._spare[closer] > 0 if opens else self._spare[closer] < 0
+
+    def _count_spare(self, closer: int, at: int) -> int:
+        """How many more ends of a kind than blocks that need one: what is open now and what the rest of the POU has."""
+        kinds = self.tokens.kinds
+        openers = [k for k, c in CLOSER_OF.items() if c == closer]
+        rest = kinds[at : at + _REST]
+        if not _OUTER & {*openers}:
+            stop = min((rest.index(k) for k in _POU_ENDS if k in rest), default=len(rest))
+            rest = rest[:stop]
+        open_now = sum(CLOSER_OF[kinds[t]] == closer for _, t in self.open_blocks())
+        return rest.count(closer) - sum(rest.count(k) for k in openers) - open_now
+
+    def after_junk(self, token: int) -> bool:
+        """Whether a character that is no token, reported already, stands before a token."""
+        if not self.tokens.junk:
+            return False
+        start = self.tokens.ends[token - 1] if token else 0
+        return any(start <= offset < self.tokens.starts[token] for offset in self.tokens.junk)
+
+    def _junk_line(self, token: int) -> bool:
+        """Whether such a character stands earlier on the line of a token: what is wrong there follows from it."""
+        if not self.tokens.junk:
+            return False
+        start = self.tokens.starts[token]
+        line = self.tokens.source.text.rfind("\n", 0, start)
+        return any(line < offset <= start for offset in self.tokens.junk)
+
     def _unlikely(self, kind: int, token: int) -> float:
         """A semicolon is forgotten at the end of a line rather than within one, an operator the other way round; after
         a complete statement it is no repair."""
         starts_line = self.tokens.starts_line(token)
+        if self.after_junk(token):  # most likely it stands for a sign
+            return -1.2 if kind == KIND["BINOP"] else 0.0
         if kind == KIND["SEMI"]:
             if token and self.tokens.kinds[token - 1] in END_KINDS | {kind}:
                 return LOOK
@@ -277,7 +340,7 @@ class Repairs:
         """Report a change and make it; the token to go on from."""
         tokens, token = self.tokens, change.at
         texts = tokens.texts
-        found = texts[token] or word(0)
+        found = self.found(token)
         match change.action:
             case "insert":
                 self._report_missing(change.kinds[0], change.depth, token)
@@ -312,7 +375,9 @@ class Repairs:
             opener = closing[-1][1]
             self.report("E0103", opener, opener + 1, **self.block_fields(opener))
             return
-        self.report_gap("E0102", token, what=word(kind), where=self._where(kind, depth, token))
+        row = self.table.rows[self.machine.states[depth]]
+        what = "a type" if kind == NAME and KIND["ARRAY"] in row else word(kind)
+        self.report_gap("E0102", token, what=what, where=self._where(kind, depth, token))
 
     def block_fields(self, opener: int) -> dict:
         """What E0103 says of a block."""
@@ -333,8 +398,8 @@ class Repairs:
                 line, column = tokens.source.position(tokens.starts[value])
                 return f"for the {tokens.texts[value]} at line {line}, column {column}"
         if name in ("NUMBER", "NAME", "IF", "FOR", "WHILE", "CASE", "PROGRAM", "VAR", "TYPE") or not token:
-            return f"before {tokens.texts[token] or word(0)}"
-        return f"after {tokens.texts[token - 1]}"
+            return f"before {self.found(token)}"
+        return f"after {self.found(token - 1)}"
 
     def _expected(self, depth: int) -> str:
         """A hint of what could stand here, where that is one thing or two."""
@@ -347,7 +412,7 @@ class Repairs:
     def panic(self, at: int) -> int:
         """Nothing small helps: skip to where a statement, declaration or unit begins that reads on."""
         tokens, kinds, machine = self.tokens, self.tokens.kinds, self.machine
-        found = tokens.texts[at] or word(0)
+        found = self.found(at)
         self.report("E0101", at, at + 1, found=found, hint=self._expected(len(machine.values)))
         entries = [e for e in range(len(machine.states) - 1) if machine.states[e + 1] in self.anchors]
         semi = KIND["SEMI"]
