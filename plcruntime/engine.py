@@ -17,7 +17,7 @@ from plcruntime.snapshot import History, Snapshot, kept_regions, put_back, take
 from plcruntime.stimuli import Schedule
 from plcruntime.trace import Recorder
 from stcore.faults import Fault
-from stcore.program import INTERVAL, SCAN, TASK_RATIOS, Program
+from stcore.program import INTERRUPT, INTERVAL, NOW, NULL_PAGE, SCAN, TASK_RATIOS, Program
 
 CALL_SECONDS = 0.05
 REALTIME_STEP = 10_000_000  # ns of virtual time between two looks at the wall clock
@@ -68,7 +68,7 @@ class Engine:
         memory = self.machine.memory
         struct.pack_into("<q", memory, INTERVAL, self.interval)
         struct.pack_into(f"<{len(self._ratios)}i", memory, TASK_RATIOS, *self._ratios)
-        self.forces.set_state(({}, {}))
+        self.forces.set_state({})
         self.recorder.forget_from(0)
         self.recorder.arrange()
         self.history.clear()
@@ -145,7 +145,7 @@ class Engine:
 
     def _step(self, left: int, scans: int, tested: bool, clock) -> int:
         """How many scans the next call may run."""
-        if tested or self.after_scan or self.forces.bits or self.recorder.dynamic:
+        if tested or self.after_scan or self.recorder.dynamic:
             step = 1
         else:
             step = min(left, self._chunk, self.schedule.scans_until_next(scans) or left)
@@ -159,8 +159,6 @@ class Engine:
 
     def _call(self, step: int) -> bool:
         """One call into the module. True when it stopped because its condition holds."""
-        if self.forces.bits:
-            self.forces.apply_bits()
         if self.recorder.dynamic:
             self.recorder.follow_pointers()
         began = time.perf_counter()
@@ -175,12 +173,15 @@ class Engine:
         finally:
             seconds = time.perf_counter() - began
             self.run_s += seconds
-        if self.forces.bits:
-            self.forces.apply_bits()
         if step >= self._chunk:
             # towards CALL_SECONDS, at most eightfold at a time: the first scans are not like the others
             self._chunk = max(1, min(self._chunk * 8, int(step * CALL_SECONDS / max(seconds, 1e-7))))
         return self._until and self.machine.until_holds()
+
+    def start_history(self) -> None:
+        """What was before can't be repeated: going back ends here."""
+        self.history.clear()
+        self._keyframe()
 
     def _keyframe(self) -> None:
         self.history.mark(self.snapshot(), self.run_s)
@@ -215,6 +216,10 @@ class Engine:
         if count < 0 or reach is None or goal < reach:
             behind = 0 if reach is None else self.scans - reach
             raise ValueError(f"can't go back by {count} scans: {behind} are remembered")
+        self.go_to(goal)
+
+    def go_to(self, goal: int) -> None:
+        """The state after `goal` scans, from the last keyframe before it. A scan left in the middle is undone."""
         snapshot, actions = self.history.path_to(goal)
         self._restore(snapshot)
         self.recorder.pause()
@@ -228,11 +233,44 @@ class Engine:
             self.recorder.arrange()
         self.schedule.rewind(goal + 1)  # what was due at the goal is in the journal
 
+    def record_again(self, trace, first: int) -> None:
+        """Fill a trace with scans that are over, from scan `first` or the oldest that is remembered: run them again."""
+        self.recorder.drain(self.scans)
+        goal, before = self.scans, self.snapshot()
+        snapshot, actions = self.history.path_from(first)
+        self._restore(snapshot)
+        others = self.recorder.swap([trace])
+        try:
+            for scan, action in actions:
+                self._replay(scan)
+                action()
+            self._replay(goal)
+            self.recorder.drain(self.scans)
+        finally:
+            self.recorder.swap(others)
+            self._restore(before)
+
+    def use(self, machine) -> None:
+        """Go on with another build of the same program, at a scan's boundary: the images have the same layout."""
+        self.recorder.drain(self.scans)
+        old, new, end = self.machine.memory, machine.memory, self.program.image_end
+        words = TASK_RATIOS + 4 * len(self._ratios)
+        new[NOW:INTERRUPT], new[TASK_RATIOS:words] = old[NOW:INTERRUPT], old[TASK_RATIOS:words]
+        new[NULL_PAGE:end] = old[NULL_PAGE:end]
+        self.machine = self.guard.machine = machine
+        self.forces.move_to(machine)
+        self.recorder.move_to(machine)
+
     def _replay(self, goal: int) -> None:
         """Run to a scan that was reached before; its causes are in the journal, so nobody is called."""
         while (left := goal - self.scans) > 0:
+            step = 1 if self.recorder.active and self.recorder.dynamic else left
+            if self.recorder.active:
+                if not self.recorder.room:
+                    self.recorder.drain(self.scans)
+                step = min(step, self.recorder.room)
             with self.guard.run():
-                self._call(1 if self.forces.bits else left)
+                self._call(step)
 
 
 class _Clock:

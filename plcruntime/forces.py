@@ -3,54 +3,56 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
 
 from stcore.program import FORCES
 
-ENTRY = struct.Struct("<II8s")  # address, size, value
+ENTRY = struct.Struct("<II8s8s")  # address, size (1 or 8), value, mask: the bits that are forced
 Piece = tuple[int, bytes]
 
 
 class Forces:
-    """active: path -> (address, bytes) pieces. A bit is forced by `apply_bits`, between scans."""
+    """active: path -> (address, value, mask) pieces; value and mask are equally long."""
 
     def __init__(self, machine) -> None:
         self._machine = machine
         self._capacity = 0
         self._table = 0
-        self.active: dict[str, tuple[Piece, ...]] = {}
-        self.bits: dict[str, tuple[int, int, bool]] = {}  # path -> address, bit, value
+        self.active: dict[str, tuple[tuple[int, bytes, bytes], ...]] = {}
 
-    def state(self) -> tuple[dict, dict]:
+    def hold(self, name: str, pieces: Sequence[Piece], bit: int | None = None) -> None:
+        """Force bytes, or one bit of a byte, under a path. In effect after `write_table`."""
+        mask = None if bit is None else bytes([1 << bit])
+        self.active[name] = tuple((address, data, mask or b"\xff" * len(data)) for address, data in pieces)
+
+    def state(self) -> dict:
         """What is forced now, for a snapshot."""
-        return dict(self.active), dict(self.bits)
+        return dict(self.active)
 
-    def set_state(self, state: tuple[dict, dict]) -> None:
-        self.active, self.bits = dict(state[0]), dict(state[1])
+    def set_state(self, state: dict) -> None:
+        self.active = dict(state)
+        self.write_table()
+
+    def move_to(self, machine) -> None:
+        """Another machine runs the program from now on."""
+        self._machine, self._capacity = machine, 0
         self.write_table()
 
     def write_table(self) -> None:
         """Bring the module's table up to date; to be called again after the memory was initialised."""
-        entries = [e for pieces in self.active.values() for piece in pieces for e in _split(piece)]
+        entries = [e for pieces in self.active.values() for piece in pieces for e in _split(*piece)]
         if len(entries) > self._capacity:
             self._capacity = max(16, 2 * len(entries))
             self._table = self._machine.allocate(self._capacity * ENTRY.size)
         memory = self._machine.memory
-        for i, (address, data) in enumerate(entries):
-            ENTRY.pack_into(memory, self._table + i * ENTRY.size, address, len(data), data)
+        for i, (address, data, mask) in enumerate(entries):
+            ENTRY.pack_into(memory, self._table + i * ENTRY.size, address, len(data), data, mask)
         struct.pack_into("<II", memory, FORCES, self._table, len(entries))
 
-    def apply_bits(self) -> None:
-        """Set the forced bits in the memory."""
-        memory = self._machine.memory
-        for address, bit, value in self.bits.values():
-            old = memory[address]
-            memory[address] = old | 1 << bit if value else old & ~(1 << bit)
 
-
-def _split(piece: Piece):
-    """Entries of 8, 4, 2 or 1 bytes for a piece of any length."""
-    address, data = piece
+def _split(address: int, data: bytes, mask: bytes):
+    """Entries of 8 bytes or 1 for a piece of any length."""
     while data:
-        size = next(s for s in (8, 4, 2, 1) if s <= len(data))
-        yield address, data[:size]
-        address, data = address + size, data[size:]
+        size = 8 if len(data) >= 8 else 1
+        yield address, data[:size], mask[:size]
+        address, data, mask = address + size, data[size:], mask[size:]

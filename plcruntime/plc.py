@@ -13,6 +13,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from plcruntime import durations, sources
 from plcruntime.axes import ROOT, Axes
@@ -26,6 +27,9 @@ from stcore.diagnostics import Diagnostic
 from stcore.faults import Fault
 from stcore.paths import PathError, Place
 from stcore.program import Program
+
+if TYPE_CHECKING:
+    from plcruntime.typed import Typed
 
 INTERVAL = 1_000_000  # ns, of a scan where nothing says otherwise
 WATCHDOG = 2.0  # s of wall clock for one scan
@@ -59,10 +63,12 @@ class PLC:
         self._places: dict[str, Place] = {}
         host = _motion_host(program)
         if machine is None:
-            from plcruntime.soft_machine import SoftMachine as machine
-        functions = host.functions(self) if host else {}
-        spelled = {e.name: functions[e.name.upper()] for e in program.externals if e.name.upper() in functions}
-        self._machine = machine(program, spelled)
+            from stcore.machine import Machine as machine
+        self._make_machine = machine
+        self._functions = host.functions(self) if host else {}
+        self._typed: Typed | None = None
+        self.origin: tuple | None = None  # what `build` was told, for another build of the same program
+        self._machine = self.new_machine(program)
         self._engine = Engine(program, self._machine, ns, WATCHDOG if limit is None else limit)
         self._bind = host.bind_axes if host else None
         self._configure()
@@ -79,7 +85,37 @@ class PLC:
         Raises stcore.CompileError with .diagnostics, UsageError (a file that can't be read, a wrong plc.toml).
         """
         program, project = build(source, config, strict=strict)
-        return cls(program, interval=interval, project=project, watchdog=watchdog)
+        plc = cls(program, interval=interval, project=project, watchdog=watchdog)
+        plc.origin = (source, config, strict)
+        return plc
+
+    def new_machine(self, program: Program):
+        """A machine for this program or another build of it, with the functions that the host provides."""
+        functions = self._functions | _test_host(self, program)
+        spelled = {e.name: functions[e.name.upper()] for e in program.externals if e.name.upper() in functions}
+        return self._make_machine(program, spelled)
+
+    # ------------------------------------------------------------------------------------------- typed ST
+
+    def evaluate(self, text: str):
+        """The value of an ST expression over the program's variables and functions: ``plc.evaluate("Twice(n) + 1")``.
+
+        Raises stcore.CompileError, PathError, stcore.side.SideError, Fault (the PLC stays as it is).
+        """
+        return self.typed.run(text).value
+
+    def execute(self, text: str) -> None:
+        """Run ST statements now, between two scans: ``plc.execute("n := 5; timer(IN := TRUE);")``. Raises as evaluate."""
+        self.typed.run(text)
+
+    @property
+    def typed(self) -> Typed:
+        """What evaluates and executes typed text."""
+        if self._typed is None:
+            from plcruntime.typed import Typed
+
+            self._typed = Typed(self)
+        return self._typed
 
     def __repr__(self) -> str:
         name = Path(self.program.files[0]).name if self.program.files else "PLC"
@@ -234,15 +270,7 @@ class PLC:
         place = self.place(path)
         pieces = self._pieces(place, value)
         self._engine.write(pieces)
-        address = place.locate(self._machine.memory)
-
-        def change(forces) -> None:
-            if place.bit is None:
-                forces.active[place.name] = tuple(pieces)
-            else:
-                forces.bits[place.name] = (address, place.bit, bool(value))
-
-        self._engine.change_forces(change)
+        self._engine.change_forces(lambda forces: forces.hold(place.name, pieces, place.bit))
 
     def unforce(self, path: str | None = None) -> None:
         """Release a forced variable, or all. Raises PathError when the variable is not forced."""
@@ -251,17 +279,16 @@ class PLC:
             raise PathError(f"{name} is not forced; forced: {', '.join(self.forced) or 'nothing'}")
 
         def change(forces) -> None:
-            for table in (forces.active, forces.bits):
-                for forced in list(table):
-                    if name in (None, forced):
-                        del table[forced]
+            for forced in list(forces.active):
+                if name in (None, forced):
+                    del forces.active[forced]
 
         self._engine.change_forces(change)
 
     @property
     def forced(self) -> list[str]:
         """The paths that are forced."""
-        return [*self._engine.forces.active, *self._engine.forces.bits]
+        return list(self._engine.forces.active)
 
     def trace(self, *names: str):
         """Record variables at the end of every scan from now on; arrays and structures become a column an element.
@@ -330,15 +357,18 @@ class PLC:
 
 
 def build(
-    source: str | Path | Sequence[str | Path], config: str | Path | None = None, *, strict: bool = False
-) -> tuple[Program, Project]:
-    """Compile what the user names, with the project's settings. Raises as `PLC.load` does."""
+    source: str | Path | Sequence[str | Path], config: str | Path | None = None, *, strict: bool = False,
+    probes: bool = False,
+) -> tuple[Program, Project]:  # fmt: skip
+    """Compile what the user names, with the project's settings. probes: able to stop at every statement.
+
+    Raises as `PLC.load` does."""
     import mclib
     from stcore.compiler import compile
 
     files, project = sources.gather(source, config)
     libraries = [*project.libraries, mclib.LIBRARY]
-    program = compile(files, tasks=project.tasks, libraries=libraries, strict=strict or project.strict)
+    program = compile(files, tasks=project.tasks, libraries=libraries, strict=strict or project.strict, probes=probes)
     return program, project
 
 
@@ -353,6 +383,15 @@ def _parsed(text: str):
     if reporter.failed or node is None:
         raise ValueError(f"{text} is not a value; write it as in ST: TRUE, 16#FF, 'text', T#500ms, [1,2,3], (a:=1)")
     return node
+
+
+def _test_host(plc: PLC, program: Program) -> dict[str, Callable]:
+    """What the assertions of ST tests need of the host, for a program that uses them."""
+    if not any(e.name.upper().startswith("HOSTTEST") for e in program.externals):
+        return {}
+    from plcruntime.st_tests import functions
+
+    return functions(plc)
 
 
 def _motion_host(program: Program):

@@ -29,11 +29,11 @@ class Snapshot:
     image: bytes  # from NULL_PAGE to image_end
     scans: int
     now: int
-    forces: tuple
+    forces: dict
     fault: Exception | None = None
 
 
-def take(plc_program: Program, memory, forces: tuple, fault: Exception | None = None) -> Snapshot:
+def take(plc_program: Program, memory, forces: dict, fault: Exception | None = None) -> Snapshot:
     now, scans = struct.unpack_from("<qq", memory, NOW)
     image = bytes(memory[NULL_PAGE : plc_program.image_end])
     return Snapshot(plc_program, image, scans, now, forces, fault)
@@ -100,6 +100,12 @@ class History:
     def reach(self) -> int | None:
         """The first scan count that one can go back to."""
         return self.frames[0].snapshot.scans if self.frames else None
+
+    def path_from(self, scan: int) -> tuple[Snapshot, list[tuple[int, Callable[[], None]]]]:
+        """The keyframe before `scan`, or the first of all, and every action since; forgets nothing."""
+        at = max(0, bisect_right([f.snapshot.scans for f in self.frames], scan) - 1)
+        frame = self.frames[at]
+        return frame.snapshot, self.journal[frame.journal_at - self._dropped :]
 
     def path_to(self, scan: int) -> tuple[Snapshot, list[tuple[int, Callable[[], None]]]]:
         """The keyframe to start from, and the actions to repeat; forgets what came after `scan`."""

@@ -183,6 +183,18 @@ class Recorder:
         self._traces.remove(trace)
         self.arrange()
 
+    def swap(self, traces: list[Trace]) -> list[Trace]:
+        """Record other traces from now on; gives those that were recorded until now."""
+        before, self._traces = self._traces, traces
+        self.arrange()
+        return before
+
+    def move_to(self, machine) -> None:
+        """Another machine runs the program from now on."""
+        self._machine = machine
+        self._table_capacity = self._buffer_size = self._zero = 0
+        self.arrange()
+
     def forget_from(self, scan: int) -> None:
         for trace in self._traces:
             trace.forget_from(scan)

@@ -106,6 +106,8 @@ def _compile(names: Names, source: Source, tree, scene: Scene | None, offset: in
 
 def _module(emitter: _Emitter, function: FunctionEmitter, tree, scene, at: int, boolean: bool) -> Side:
     """Emit the function and everything that goes with it."""
+    emitter.take_locals(function)
+    prologue, function.lines = function.lines, []
     if isinstance(tree, list) or tree.type is None:
         kind, result = None, "(i32.const 0)"
         function.body(tree if isinstance(tree, list) else [s.ExprStmt(tree.start, tree.end, tree)])
@@ -114,9 +116,7 @@ def _module(emitter: _Emitter, function: FunctionEmitter, tree, scene, at: int, 
     else:
         kind, result = tree.type, _result(function, tree, at)
     main, function.lines = function.lines, []
-    emitter.take_locals(function, scene)
     params = [] if boolean and scene is None else ["(param $this i32)", "(param $outer i32)"]
-    prologue, function.lines = function.lines, []
     if boolean:
         # the result may need the frame, which is given back behind it
         function.declared.append("(local $result i32)")
@@ -126,7 +126,8 @@ def _module(emitter: _Emitter, function: FunctionEmitter, tree, scene, at: int, 
     text = function._assemble("$side", params, ["i32"], prologue, main)
     start = emitter._initialisation()
     emitter._drain()
-    data, size = emitter.data(at)
+    room = ROOM - (at - emitter.project.names.program.image_end) % ROOM
+    data, size = emitter.data(at, room)
     program = emitter.project.names.program
     stack = f"(global $span i32 (i32.const {program.stack_top - NULL_PAGE}))"
     stack += f" (global $stack i32 (i32.const {program.image_end + SIDE_SIZE}))"
@@ -226,21 +227,22 @@ class _Emitter(ModuleEmitter):
         data = self.project.defaults.get(var)
         return super().initial_value(var) if data is None else self.project.constant_of(var.type, data)
 
-    def take_locals(self, function: FunctionEmitter, scene: Scene | None) -> None:
+    def take_locals(self, function: FunctionEmitter) -> None:
         """Locals of the function where a probe stopped: their addresses, from its stack frame."""
         for var, (offset, by_reference) in self.project.frame.items():
             name = self.project.local_names[var]
+            function.locals_of[var] = name
             function.declared.append(f"(local {name} i32)")
             here = f"(i32.add (local.get $outer) (i32.const {offset}))"
             if by_reference:
                 here = load(t.DWORD, "(local.get $outer)", offset)
             function.line(f"(local.set {name} {here})")
 
-    def data(self, at: int) -> tuple[str, int]:
+    def data(self, at: int, room: int) -> tuple[str, int]:
         """The data segment of constants and of the library's own variables, and its size from `at`."""
         self.image_end = self.constants_at + len(self.constants)
         size = self.image_end - at
-        if size > ROOM:
+        if size > room:
             raise SideError("that needs more memory than there is beside the program; put it into the program")
         image = self.image()[at:]
         text = "".join(f"\\{byte:02x}" for byte in image)

@@ -1,0 +1,118 @@
+"""Breakpoints: from POU and line to the statements of a probed build, and from there to the path of an instance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from plcruntime.errors import UsageError
+from stcore.near import near
+from stcore.program import Body, Program
+from stcore.types import Array, Block, Struct, Type
+
+if TYPE_CHECKING:
+    from plcruntime.plc import PLC
+
+
+@dataclass(slots=True)
+class Breakpoint:
+    """site: of the statement that it stops before. condition: ST, understood in the POU; None stops always."""
+
+    number: int
+    pou: str
+    line: int
+    site: int
+    condition: str | None = None
+    hits: int = 0
+
+
+class Breakpoints:
+    """The breakpoints of a PLC. program: the probed build, once there is one."""
+
+    def __init__(self, plc: PLC) -> None:
+        self._plc = plc
+        self._next = 1
+        self.program: Program | None = None
+        self.points: dict[int, Breakpoint] = {}
+
+    @property
+    def active(self) -> bool:
+        return bool(self.points)
+
+    def add(self, pou: str, line: int, condition: str | None = None) -> Breakpoint:
+        """At the first statement of a POU at or below a line. Raises UsageError for a POU or line without one."""
+        sites = self.statements(pou)
+        below = [(self.program.sites[s].line, self.program.sites[s].column, s) for s in sites]
+        below = [x for x in below if x[0] >= line]
+        if not below:
+            last = max(self.program.sites[s].line for s in sites)
+            raise UsageError(f"{pou} has no statement at line {line} or below; its last is at line {last}")
+        found, _, site = min(below)
+        point = Breakpoint(self._next, self.program.sites[site].pou, found, site, condition)
+        self._next += 1
+        self.points[point.number] = point
+        return point
+
+    def statements(self, pou: str) -> list[int]:
+        """The sites of the statements of a POU, or of a file named in its place."""
+        sites, wanted = self.program.sites, pou.upper()
+        found = [s for s in self.program.probed if sites[s].pou.upper() == wanted]
+        found = found or [s for s in self.program.probed if Path(sites[s].file).name.upper() == wanted]
+        if not found:
+            known = sorted({sites[s].pou for s in self.program.probed})
+            hint = near(pou, known)
+            raise UsageError(f"no POU {pou} with statements is in this program{'; ' + hint if hint else ''}")
+        return found
+
+    def remove(self, number: int | None) -> None:
+        """One breakpoint, or all. Raises UsageError."""
+        if number is None:
+            self.points.clear()
+        elif self.points.pop(number, None) is None:
+            raise UsageError(f"there is no breakpoint {number}; there are {', '.join(map(str, self.points)) or 'none'}")
+
+    def at(self, site: int) -> Breakpoint | None:
+        return next((p for p in self.points.values() if p.site == site), None)
+
+    def write_flags(self, memory) -> None:
+        """Mark the sites in the memory of the probed build."""
+        program = self.program
+        start = program.probes + 4 * len(program.sites)
+        memory[start : start + len(program.sites)] = bytes(len(program.sites))
+        for point in self.points.values():
+            memory[start + point.site] = 1
+
+
+def instance_path(program: Program, body: Body, address: int) -> str:
+    """The path of the instance of a block at an address: PLC_PRG.trap; the POU's own name where there is none."""
+    if body.block is None or body.block.kind == "PROGRAM":
+        return body.pou
+    for variable in program.variables.values():
+        if variable.address <= address < variable.address + variable.type.size:
+            found = _inside(variable.type, variable.address, variable.path, body.block, address)
+            if found:
+                return found
+    return body.pou
+
+
+def _inside(kind: Type, at: int, path: str, wanted: Block, address: int) -> str | None:
+    """The path of the block of type `wanted` at an address within a variable."""
+    if kind is wanted and at == address:
+        return path
+    if isinstance(kind, Array) and kind.element.size:
+        index = (address - at) // kind.element.size
+        indices, rest = [], index
+        for low, high in reversed(kind.bounds):
+            rest, k = divmod(rest, high - low + 1)
+            indices.append(str(low + k))
+        name = f"{path}[{','.join(reversed(indices))}]"
+        return _inside(kind.element, at + index * kind.element.size, name, wanted, address)
+    if isinstance(kind, Struct | Block):
+        for member in kind.members.values():
+            begin = at + member.offset
+            if member.section in ("VAR_IN_OUT", "VAR_TEMP", "VAR_STAT"):
+                continue
+            if begin <= address < begin + member.type.size:
+                return _inside(member.type, begin, f"{path}.{member.name}", wanted, address)
+    return None

@@ -1,0 +1,339 @@
+"""Breakpoints and statement steps: the scan runs in a thread of its own and waits there while the user looks.
+
+The PLC changes to a probed build of the same program (stcore/emit/probes.wat) at a scan's boundary. A probe that
+stops calls the host in the middle of the scan; that call does not return until the user goes on. What is typed
+meanwhile runs in that same thread, since a call into a module that is suspended must come from its own thread.
+"""
+
+from __future__ import annotations
+
+import queue
+import struct
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from plcruntime.breakpoints import Breakpoint, Breakpoints, instance_path
+from plcruntime.errors import UsageError
+from plcruntime.typed import Result
+from stcore.known import Scene
+from stcore.program import DEPTH, STOP, STOP_DEPTH, Body, Site
+from stcore.side import condition
+
+if TYPE_CHECKING:
+    from plcruntime.plc import PLC
+
+ANY_DEPTH = 1 << 30
+PATIENCE = 1.0  # s after Ctrl-C until a statement that does not end is broken off
+TICK = 0.1
+OTHERS = 8192  # bytes for the constants of the condition of `until`, before those of breakpoints
+
+
+class Abandoned(Exception):
+    """The scan that waits is given up."""
+
+
+@dataclass(slots=True)
+class Stop:
+    """Where a scan waits. breakpoint: its number, None after a step. depth: POUs that are under way."""
+
+    site: Site
+    body: Body
+    this: int
+    frame: int
+    depth: int
+    instance: str
+    breakpoint: int | None = None
+    note: str = ""
+
+    @property
+    def scene(self) -> Scene:
+        """The names that are known here."""
+        return _scene(self.body)
+
+
+def _scene(body: Body) -> Scene:
+    return Scene(body.pou, body.block, body.locals)
+
+
+@dataclass(slots=True)
+class Outcome:
+    """How a run ended. stop: in the middle of a scan, None at a boundary. reached: the condition of `until` held."""
+
+    stop: Stop | None = None
+    reached: bool = False
+
+
+@dataclass(slots=True)
+class _Order:
+    """What the thread shall do: scans still to run, the condition that ends it, how to stop on the way."""
+
+    left: int
+    until: bytes | None = None
+    mode: int = 0
+    depth: int = 0
+    result: bool = False
+    events: queue.SimpleQueue = field(default_factory=queue.SimpleQueue)
+
+
+class Debugger:
+    """Runs a PLC's scans with breakpoints. `stop` tells where the scan waits, None between two scans."""
+
+    def __init__(self, plc: PLC) -> None:
+        self._plc = plc
+        self._engine = plc._engine
+        self._plain = plc._machine
+        self._probed = None
+        self._requests: queue.SimpleQueue = queue.SimpleQueue()
+        self._order: _Order | None = None
+        self._thread: threading.Thread | None = None
+        self._deaf = False  # probes are passed over: typed text runs
+        self._watchdog = self._engine.guard.seconds
+        self._checks: dict[tuple[int, int], Callable[[int, int], int]] = {}  # conditions, by breakpoint and body
+        self._checks_size = OTHERS
+        self._touched = False  # the user wrote in the middle of the scan: it can't be repeated
+        self.breakpoints = Breakpoints(plc)
+        self.stop: Stop | None = None
+
+    # ----------------------------------------------------------------------------------------- two builds
+
+    @property
+    def active(self) -> bool:
+        """True while the probed build runs."""
+        return self._probed is not None and self._engine.machine is self._probed
+
+    def attach(self) -> None:
+        """Change to the probed build. Raises UsageError when the source is no longer what was loaded."""
+        if self._probed is None:
+            self._probed = self.plc_build()
+            self._probed.on_probe = self._on_probe
+        if not self.active:
+            self._use(self._probed)
+            self._watchdog, self._engine.guard.seconds = self._engine.guard.seconds, 0
+
+    def detach(self) -> None:
+        """Back to the fast build, when nothing needs the probes any more."""
+        if self.active and self.stop is None and not self.breakpoints.active:
+            self._use(self._plain)
+            self._engine.guard.seconds = self._watchdog
+
+    def _use(self, machine) -> None:
+        self._engine.use(machine)
+        self._plc._machine = machine
+
+    def plc_build(self):
+        """A machine with the probed build of the program."""
+        from plcruntime.plc import build
+
+        plc = self._plc
+        if plc.origin is None:
+            raise UsageError("breakpoints and statement steps need a program that was loaded from its source")
+        source, config, strict = plc.origin
+        program, _ = build(source, config, strict=strict, probes=True)
+        if program.image != plc.program.image or program.image_end != plc.program.image_end:
+            raise UsageError("the source has changed since it was loaded; leave and load it again")
+        self.breakpoints.program = program
+        return plc.new_machine(program)
+
+    # -------------------------------------------------------------------------------------------- running
+
+    def run(self, scans: int, until: bytes | None = None) -> Outcome:
+        """Run scans, the waiting one included; stops at breakpoints. Raises Fault, KeyboardInterrupt at a boundary."""
+        if self.stop is None and not self.breakpoints.active:
+            self.detach()
+            return Outcome(reached=self._engine.advance(scans, until=until))
+        self.attach()
+        return self._go(_Order(scans, until))
+
+    def step(self, how: str) -> Outcome:
+        """'next', 'into' or 'out': to the next statement, at the end of the scan to its boundary."""
+        self.attach()
+        depth = {"into": ANY_DEPTH, "next": self.stop.depth if self.stop else 1}.get(how)
+        if depth is None:
+            depth = self.stop.depth - 1 if self.stop else 0
+        return self._go(_Order(1, mode=2, depth=depth))
+
+    def finish(self) -> Outcome:
+        """Let the waiting scan run to its end, past all breakpoints."""
+        if self.stop is None:
+            return Outcome()
+        return self._go(_Order(1, mode=-1))
+
+    def abandon(self) -> None:
+        """Undo the waiting scan: back to its beginning."""
+        if self.stop is None:
+            return
+        self.stop = None
+        self._requests.put(Abandoned())
+        self._thread.join()
+        self._quiet()
+        self._touched = False
+        self._engine.go_to(self._engine.scans)
+
+    def call(self, function: Callable[[], object]) -> object:
+        """Run a function in the thread of the waiting scan."""
+        self._requests.put(function)
+        kind, value = self._wait()
+        if kind == "error":
+            raise value
+        return value
+
+    def evaluate(self, text: str) -> Result:
+        """Typed ST, understood where the scan waits, or between two scans. Raises as Typed.run does."""
+        stop = self.stop
+        if stop is None:
+            return self._plc.typed.run(text)
+        result, changed = self.call(lambda: self._plc.typed.run_inside(text, stop.scene, stop.this, stop.frame))
+        self._touched |= changed
+        return result
+
+    def touch(self) -> None:
+        """Something was changed in the middle of the scan."""
+        self._touched |= self.stop is not None
+
+    def forget(self) -> None:
+        """The memory was initialised: conditions have to be linked again."""
+        self._checks.clear()
+        self._checks_size = OTHERS
+
+    def _go(self, order: _Order) -> Outcome:
+        if self.stop is None:
+            self._arm(order)
+            self._order = order
+            self._thread = threading.Thread(target=self._work, name="scancycle scans", daemon=True)
+            self._thread.start()
+        else:
+            self.stop = None
+            self._requests.put(order)
+        kind, value = self._wait()
+        if kind == "stop":
+            self.stop = value
+            return Outcome(value)
+        self._thread.join()
+        self._quiet()
+        if kind == "error":
+            raise value
+        return Outcome(reached=value)
+
+    def _quiet(self) -> None:
+        """No probe stops while nobody waits for it."""
+        self._order = None
+        struct.pack_into("<i", self._engine.machine.memory, STOP, 0)
+
+    def _wait(self) -> tuple[str, object]:
+        """What the thread has to say next. Ctrl-C stops it at the next statement."""
+        events, hurry = self._order.events, 0.0
+        interrupted = False
+        while True:
+            try:
+                return events.get(timeout=TICK)
+            except queue.Empty:
+                hurry += TICK if interrupted else 0
+                if hurry > PATIENCE:
+                    self._engine.machine.interrupt()
+            except KeyboardInterrupt:
+                interrupted = True
+                struct.pack_into("<i", self._engine.machine.memory, STOP, 2)
+                struct.pack_into("<i", self._engine.machine.memory, STOP_DEPTH, ANY_DEPTH)
+
+    # ------------------------------------------------------------------------------------- in the thread
+
+    def _arm(self, order: _Order) -> None:
+        """Tell the probes where to stop."""
+        memory = self._engine.machine.memory
+        self.breakpoints.write_flags(memory)
+        mode = order.mode or (1 if self.breakpoints.active else 0)
+        struct.pack_into("<i", memory, STOP, max(mode, 0))
+        struct.pack_into("<i", memory, STOP_DEPTH, order.depth)
+
+    def _work(self) -> None:
+        order = self._order
+        events = order.events
+        struct.pack_into("<i", self._engine.machine.memory, DEPTH, 0)
+        try:
+            reached = False
+            while order.left > 0 and not reached:
+                reached = self._engine.advance(1, until=order.until)
+                if self._touched:
+                    self._touched = False
+                    self._engine.start_history()
+                order = self._order  # the user may have changed his mind while the scan waited
+                order.left -= 1
+            events.put(("done", reached))
+        except Abandoned:
+            events.put(("done", False))
+        except BaseException as error:
+            events.put(("error", error))
+
+    def _on_probe(self, site: int, body: int, this: int, frame: int) -> None:
+        if self._deaf or self._order is None:
+            return
+        program = self._probed.program
+        memory = self._probed.memory
+        depth = struct.unpack_from("<i", memory, DEPTH)[0]
+        where = program.bodies[body]
+        stop = Stop(program.sites[site], where, this, frame, depth, instance_path(program, where, this))
+        point = self.breakpoints.at(site)
+        stepping = struct.unpack_from("<i", memory, STOP)[0] == 2
+        if point is not None:
+            stop.breakpoint = point.number if self._holds(point, stop) else None
+            point.hits += stop.breakpoint is not None
+        if stop.breakpoint is None:
+            # the axes move after the tasks: nobody who steps through his program wants to be led there
+            if not stepping or depth > struct.unpack_from("<i", memory, STOP_DEPTH)[0]:
+                return
+            if where.hook and depth == 1 and self._order.depth != ANY_DEPTH:
+                return
+        self._suspend(stop)
+
+    def _holds(self, point: Breakpoint, stop: Stop) -> bool:
+        """Whether a breakpoint's condition holds; one that fails stops too, and says why."""
+        if point.condition is None:
+            return True
+        self._deaf = True
+        try:
+            return bool(self._condition(point, stop.body)(stop.this, stop.frame))
+        except Exception as error:  # whatever the condition does wrong, the user shall see it at its place
+            stop.note = f"the condition failed: {error}"
+            return True
+        finally:
+            self._deaf = False
+
+    def check(self, point: Breakpoint) -> None:
+        """Compile the condition of a breakpoint. Raises CompileError, PathError, SideError for a wrong one."""
+        program = self.breakpoints.program
+        body = next((b for b in program.bodies if b.pou == point.pou), None)
+        if body is not None:
+            names = self._plc.typed.names(program)
+            condition(names, point.condition, _scene(body))
+
+    def _condition(self, point: Breakpoint, body: Body) -> Callable[[int, int], int]:
+        """The condition of a breakpoint as a function, linked once."""
+        mark = (point.number, id(body))
+        if mark not in self._checks:
+            function, size = self._plc.typed.condition(point.condition, _scene(body), self._checks_size)
+            self._checks[mark] = function
+            self._checks_size += (size + 15) // 16 * 16
+        return self._checks[mark]
+
+    def _suspend(self, stop: Stop) -> None:
+        """Wait in the middle of the scan; run meanwhile what the other thread asks for."""
+        self._order.events.put(("stop", stop))
+        while True:
+            request = self._requests.get()
+            if isinstance(request, Abandoned):
+                raise request
+            if isinstance(request, _Order):
+                request.events = self._order.events
+                self._order = request
+                self._arm(request)
+                return
+            self._deaf = True
+            try:
+                answer = ("answer", request())
+            except BaseException as error:
+                answer = ("error", error)
+            finally:
+                self._deaf = False
+            self._order.events.put(answer)

@@ -1,0 +1,72 @@
+"""The prompt: ``scancycle repl FILE...``. Commands of gdb and of the PLC, and any ST as it is."""
+
+from __future__ import annotations
+
+import sys
+
+from plcruntime.errors import ConditionTimeout, UsageError
+from plcruntime.repl.commands import COMMANDS, Commands, split
+from plcruntime.repl.session import Session
+from plcruntime.report import fault_text
+from stcore.diagnostics import CompileError
+from stcore.faults import Fault
+from stcore.paths import PathError
+from stcore.side import SideError, summary
+
+
+class Repl:
+    """Reads lines until `quit` or the end of the input; a line that is wrong gets one sentence."""
+
+    def __init__(self, plc) -> None:
+        self.session = Session(plc)
+        self.commands = Commands(self.session)
+        self.last = ""
+
+    def loop(self) -> None:
+        """On a terminal with completion and history, else from the standard input as it comes."""
+        self.session.greet()
+        if sys.stdin.isatty() and sys.stdout.isatty():
+            from plcruntime.repl.terminal import lines
+        else:
+            lines = _piped
+        for line in lines(self.session):
+            if self.handle(line) is False:
+                break
+        self.session.close()
+
+    def handle(self, line: str) -> bool:
+        """One line; False when the session is to end. Nothing that a line does wrong leaves this function."""
+        line = line.strip()
+        if not line:
+            # Enter repeats a step, as in gdb
+            line = self.last if split(line, self.last)[0] in ("step", "next", "into", "out", "back") else ""
+            if not line:
+                return True
+        self.last = line
+        name, rest = split(line, line, self.session.is_variable)
+        if name == "quit":
+            return False
+        try:
+            if name in COMMANDS:
+                self.commands.run(name, rest)
+            else:
+                self.commands.typed(line)
+        except CompileError as error:
+            self.session.say(summary(error.diagnostics))
+        except Fault as fault:
+            self.session.faulted(fault, fault_text)
+        except KeyboardInterrupt:
+            self.session.stopped("interrupted")
+        except (UsageError, PathError, SideError, ConditionTimeout, ValueError, TypeError) as error:
+            self.session.say(str(error))
+        except OSError as error:
+            self.session.say(f"{error.filename or 'file'}: {error.strerror or error}")
+        except RecursionError:
+            self.session.say("that is nested too deeply")
+        return True
+
+
+def _piped(_session):
+    for line in sys.stdin:
+        if not line.lstrip().startswith("#"):
+            yield line

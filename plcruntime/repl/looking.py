@@ -1,0 +1,239 @@
+"""Commands that show and change variables: print, watch, set, force, diff, axes, list, plot, trace."""
+
+from __future__ import annotations
+
+import fnmatch
+import re
+from pathlib import Path
+
+from plcruntime.errors import UsageError
+from plcruntime.repl import chart
+from stcore import paths
+from stcore.paths import PathError
+from stcore.types import Block
+
+AROUND = 5  # lines above and below
+KEPT = 200_000  # scans that a plot repeats at most
+
+
+class Looking:
+    """See COMMANDS for what each does."""
+
+    def do_print(self, rest: str) -> None:
+        if not rest:
+            raise UsageError("print takes an ST expression")
+        self.session.say(self.session.evaluate_text(rest))
+
+    def do_where(self, rest: str) -> None:
+        stop = self.debugger.stop
+        if stop is None:
+            state = "in its exception state, " if self.plc.fault else ""
+            self.session.say(f"{state}between two scans: {self.plc.scans} scans, {self.session.time()}")
+            return
+        self.session.say(f"{stop.instance}, {stop.site.file}:{stop.site.line}, call depth {stop.depth}")
+        self.session.say(f"in scan {self.plc.scans}, {self.session.time()}")
+
+    def do_vars(self, rest: str) -> None:
+        pattern = (rest or "*").upper().replace("[", "[[]")
+        rows = []
+        for place in paths.user_places(self.plc.program):
+            if fnmatch.fnmatchcase(place.name.upper(), pattern):
+                rows.append((place.name, self.session.value_text(place.name), str(place.type)))
+        if not rows:
+            raise UsageError(f"no variable is called {rest}")
+        self.session.table(("variable", "value", "type"), rows)
+
+    def do_watch(self, rest: str) -> None:
+        if not rest:
+            if not self.session.watched:
+                self.session.say("nothing is watched; watch EXPR adds something")
+            self.session.show_watched()
+            return
+        value = self.session.evaluate_text(rest)  # what can't be evaluated is not watched
+        if rest not in self.session.watched:
+            self.session.watched.append(rest)
+        self.session.say(f"  {rest} = {self.session.short(value)}")
+
+    def do_unwatch(self, rest: str) -> None:
+        if not rest:
+            self.session.watched.clear()
+        elif rest in self.session.watched:
+            self.session.watched.remove(rest)
+        else:
+            raise UsageError(f"{rest} is not watched; watched: {', '.join(self.session.watched) or 'nothing'}")
+
+    # --------------------------------------------------------------------------------------- set and force
+
+    @staticmethod
+    def _assignment(rest: str, command: str) -> tuple[str, str]:
+        match = re.fullmatch(r"(.+?)\s*:?=\s*(.+?);?", rest, re.S)
+        if not match:
+            raise UsageError(f"write {command} VAR := VALUE")
+        return match[1], match[2]
+
+    def do_set(self, rest: str) -> None:
+        name, value = self._assignment(rest, "set")
+        if self.debugger.stop is None:
+            place = self.plc.place(name)
+            try:
+                parsed = self.plc.parse_value(name, value)
+            except (TypeError, ValueError, PathError):
+                pass  # not a literal of that type: an expression
+            else:
+                self.plc[place.name] = parsed
+                return
+        self.debugger.evaluate(f"{name} := {value};")
+
+    def do_force(self, rest: str) -> None:
+        if not rest:
+            forced = [(name, self.plc.show(name)) for name in self.plc.forced]
+            self.session.table(("forced", "value"), forced) if forced else self.session.say("nothing is forced")
+            return
+        name, text = self._assignment(rest, "force")
+        place = self.plc.place(name)
+        try:
+            value = self.plc.parse_value(name, text)
+        except (TypeError, ValueError, PathError) as error:
+            try:
+                value = self.debugger.evaluate(text).value
+            except Exception:
+                raise error from None
+        self.plc.force(place.name, value)
+        self.debugger.touch()
+        self.session.say(f"forced: {place.name} = {self.plc.show(place.name)}")
+
+    def do_unforce(self, rest: str) -> None:
+        self.plc.unforce(rest or None)
+        self.debugger.touch()
+
+    def do_diff(self, rest: str) -> None:
+        rows = self.session.changes()
+        if rows:
+            self.session.table(("variable", "before", "now"), [tuple(map(self.session.short, r)) for r in rows])
+        else:
+            self.session.say("nothing has changed")
+
+    # ----------------------------------------------------------------------------------------------- axes
+
+    def do_axes(self, rest: str) -> None:
+        rows = []
+        for number in self.plc.axes.numbers:
+            axis = self.plc.axes[number]
+            if axis.used or axis.moving or axis.drive.enabled or axis.prfPos:
+                path = f"SIM.Axis[{number}]"
+                flags = [w for w, on in (("on", axis.drive.enabled), ("moving", axis.moving)) if on]
+                flags += ["alarm"] if axis.drive.alarm else []
+                rows.append(
+                    (
+                        str(number), self.plc.show(f"{path}.state"), f"{axis.prfPos:.3f}", f"{axis.prfVel:.4f}",
+                        f"{axis.encPos:.3f}", f"{axis.status:08X}", " ".join(flags),
+                    )  # fmt: skip
+                )
+        if rows:
+            heads = ("axis", "state", "prfPos [pulse]", "prfVel [pulse/ms]", "encPos [pulse]", "status", "drive")
+            self.session.table(heads, rows)
+        else:
+            self.session.say("the program uses no axis" if not len(self.plc.axes) else "no axis is in use yet")
+
+    # --------------------------------------------------------------------------------------------- source
+
+    def do_list(self, rest: str) -> None:
+        stop = self.debugger.stop
+        file, line, current = "", 0, 0
+        match = re.fullmatch(r"([^\W\d]\w*)?:?(\d+)?", rest)
+        if not match:
+            raise UsageError(f"'{rest}' is no place; write list POU, list POU:LINE or list LINE")
+        if stop is not None:
+            file, line, current = stop.site.file, stop.site.line, stop.site.line
+        if match[1] or stop is None:
+            file, line = self._pou_place(match[1])
+            current = current if stop is not None and stop.site.file == file else 0
+            line += AROUND
+        if match[2]:
+            line = int(match[2])
+        lines = self.session.lines_of(file)
+        if not lines:
+            raise UsageError(f"the source of {file or 'this program'} is not in a file")
+        marked = {p.line for p in self.debugger.breakpoints.points.values() if self._file_of(p) == file}
+        for number in range(max(1, line - AROUND), min(len(lines), line + AROUND) + 1):
+            mark = ">" if number == current else "*" if number in marked else " "
+            self.session.say(self.session.source_line(file, number, mark))
+
+    def _file_of(self, point) -> str:
+        return self.debugger.breakpoints.program.sites[point.site].file
+
+    def _pou_place(self, name: str | None) -> tuple[str, int]:
+        if name is None:
+            name = self._current_pou()
+        routine = self.plc.program.routines.get(name.upper())
+        if routine is None:
+            variable = self.plc.program.variables.get(name.upper())
+            if variable is None or not isinstance(variable.type, Block):
+                raise UsageError(f"no POU {name} is in this program")
+            return variable.file, variable.line
+        return routine.file, routine.line
+
+    # ------------------------------------------------------------------------------------- plot and trace
+
+    def do_plot(self, rest: str) -> None:
+        match = re.fullmatch(r"(.*?)(?:\s+to\s+(\S+))?", rest, re.S | re.I)
+        names, file = match[1].replace(",", " ").split(), match[2]
+        if not names:
+            raise UsageError("plot takes variables: plot PLC_PRG.x, plot PLC_PRG.x to x.png")
+        trace = self._recorded(names)
+        if file is None:
+            for name in trace.names:
+                for line in chart.draw(trace.time, trace[name], name):
+                    self.session.say(line)
+            return
+        if Path(file).suffix.lower() not in (".png", ".svg", ".html"):
+            raise UsageError(f"{file}: the name must end with .png, .svg or .html")
+        from plcruntime.plot import draw
+
+        draw(trace, file, plc=self.plc, watched=trace.names)
+        self.session.say(f"wrote {file}")
+
+    def _recorded(self, names: list[str]):
+        """The scans so far, run once more with a recorder."""
+        from plcruntime.trace import Trace
+
+        places = [leaf for n in names for leaf in paths.leaves(self.plc.place(n))]
+        for place in places:
+            if not paths.is_scalar(place):
+                raise UsageError(f"{place.name} is {place.type}: only numbers, BOOL and times can be drawn")
+        if self.debugger.stop is not None:
+            raise UsageError("a plot shows whole scans; step ends this one")
+        if self.plc.scans == 0:
+            raise UsageError("nothing has run yet; run 1s, then plot")
+        trace = Trace(places, round(self.plc.interval * 1e9))
+        self.plc._engine.record_again(trace, max(0, self.plc.scans - KEPT))
+        return trace
+
+    def do_trace(self, rest: str) -> None:
+        trace = self.session.trace
+        if not rest:
+            rows = f"{len(trace)} scans of {', '.join(trace.names)}" if trace else "nothing; trace VAR... begins"
+            self.session.say(f"recorded: {rows}")
+        elif rest.lower() == "off":
+            if trace is None:
+                raise UsageError("nothing is recorded")
+            self.plc.stop_trace(trace)
+            self.session.trace = None
+        elif match := re.fullmatch(r"to\s+(\S+)", rest, re.I):
+            self._write_trace(match[1])
+        else:
+            started = self.plc.trace(*rest.replace(",", " ").split())
+            if trace is not None:
+                self.plc.stop_trace(trace)
+            self.session.trace = started
+            self.session.say(f"recording {', '.join(started.names)}")
+
+    def _write_trace(self, file: str) -> None:
+        trace = self.session.trace
+        if trace is None:
+            raise UsageError("nothing is recorded; trace VAR... begins")
+        suffix = Path(file).suffix.lower()
+        if suffix not in (".csv", ".npz"):
+            raise UsageError(f"{file}: the name must end with .csv or .npz")
+        (trace.to_csv if suffix == ".csv" else trace.to_npz)(file)
+        self.session.say(f"wrote {file}: {len(trace)} scans")

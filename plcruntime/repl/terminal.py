@@ -1,0 +1,56 @@
+"""The prompt on a terminal: line editing, completion while typing, history."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from prompt_toolkit import PromptSession
+from prompt_toolkit.completion import Completer, Completion
+from prompt_toolkit.document import Document
+from prompt_toolkit.history import FileHistory, History, InMemoryHistory
+
+from plcruntime.repl.completion import candidates
+from plcruntime.repl.session import Session
+from stcore import cache
+
+
+class _Completer(Completer):
+    def __init__(self, session: Session) -> None:
+        self._session = session
+
+    def get_completions(self, document: Document, complete_event) -> Iterator[Completion]:
+        for text, replaced in candidates(self._session, document.text_before_cursor):
+            yield Completion(text, -replaced)
+
+
+def _history(session: Session) -> History:
+    """In the cache folder; only for this session where that can't be written."""
+    file = cache.cache_dir() / "repl_history"
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.open("ab").close()
+    except OSError as error:
+        session.say(f"no history is kept: {file}: {error.strerror}")
+        return InMemoryHistory()
+    return FileHistory(str(file))
+
+
+def lines(session: Session) -> Iterator[str]:
+    """What the user types, until Ctrl-D. Ctrl-C clears the line."""
+    session.interactive = True
+    prompt = PromptSession(history=_history(session), completer=_Completer(session), complete_while_typing=True)
+    while True:
+        try:
+            yield prompt.prompt(_text(session))
+        except KeyboardInterrupt:
+            continue
+        except EOFError:
+            return
+
+
+def _text(session: Session) -> str:
+    """Where the PLC stands, then >."""
+    stop = session.debugger.stop
+    if stop is not None:
+        return f"{stop.site.pou}:{stop.site.line}> "
+    return f"{session.plc.scans}{' fault' if session.plc.fault else ''}> "
