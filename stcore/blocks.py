@@ -68,7 +68,7 @@ def _reach(r: Repairs, edit: list[int], upto: int, at: int) -> int:
 def _closers(r: Repairs, at: int, blocks: list[tuple[int, int]]) -> list[int]:
     """What is missing before `at` so that it fits: the ends of the blocks inside the one it belongs to."""
     closers: list[int] = []
-    for entry, opener in reversed(blocks):
+    for _, opener in reversed(blocks):
         kind = r.tokens.kinds[opener]
         if kind == KIND["REPEAT"]:
             closers += [_UNTIL, KIND["BOOLEAN"]]
@@ -85,7 +85,7 @@ def _close(r: Repairs, at: int, blocks: list[tuple[int, int]], closers: list[int
     """Put the missing ends in, and say for each block that it has none."""
     tokens = r.tokens
     opener = _unclosed(r, at, blocks[-1][1])
-    if tokens.kinds[opener] == _IF and tokens.kinds[opener - 1] == _ELSE and tokens.line(opener - 1) == tokens.line(opener):
+    if tokens.kinds[opener - 1 : opener + 1] == [_ELSE, _IF] and not tokens.starts_line(opener):
         return _else_if(r, opener - 1)
     for _, opener in reversed(blocks[len(blocks) - sum(c != _UNTIL and c != KIND["BOOLEAN"] for c in closers) :]):
         _tell_unclosed(r, at, opener)

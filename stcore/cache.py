@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 
 # the files whose change makes stored trees worthless
 _PARSER = (
-    "lexer", "pragmas", "tables", "parser", "build", "literals", "mend", "repair", "blocks", "words", "syntax", "codes", "cache",
+    "lexer", "pragmas", "tables", "parser", "build", "build_statements", "literals", "mend", "repair", "repair_search",
+    "blocks", "words", "syntax", "codes", "cache",
 )  # fmt: skip
 
 _problem = ""
@@ -126,6 +127,7 @@ class _Recorder:
 
     def __init__(self, reporter: Reporter) -> None:
         self.reporter = reporter
+        self.strict = reporter.strict
         self.calls: list[tuple] = []
 
     def add(self, code: str, source: Source, start: int, end: int | None = None, /, hint: str = "", **fields) -> None:

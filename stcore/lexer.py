@@ -164,7 +164,7 @@ class Tokens:
 
 
 def tokenize(source: Source, reporter: Reporter) -> Tokens:
-    """All tokens of a source. Reports what is no token at all, and the typographic signs it reads as their plain ones."""
+    """All tokens of a source. Reports what is no token, and the typographic signs that it reads as plain ones."""
     tokens = Tokens(source)
     kinds, starts, ends, texts = tokens.kinds, tokens.starts, tokens.ends, tokens.texts
     text = source.text if not _NESTED.search(source.text) else flatten_comments(source.text)

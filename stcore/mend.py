@@ -12,11 +12,12 @@ import re
 from typing import TYPE_CHECKING
 
 from stcore import syntax as s
-from stcore.lexer import END_KINDS, KEYWORDS, KIND, NAME, WORDS, Tokens
+from stcore.lexer import END_KINDS, KIND, NAME, WORDS, Tokens
+from stcore.repair_search import Change, Search
 from stcore.words import CLOSER_OF, CLOSING, UNIT_STARTERS, near_keywords
 
 if TYPE_CHECKING:
-    from stcore.repair import Change, Repairs
+    from stcore.repair import Repairs
 
 _SEMI, _COLON, _COMMA, _LPAR, _RPAR = (KIND[n] for n in ("SEMI", "COLON", "COMMA", "LPAR", "RPAR"))
 _ASSIGN, _ARROW, _EQ, _AT, _VAR = (KIND[n] for n in ("ASSIGN", "ARROW", "EQ", "AT", "VAR"))
@@ -25,18 +26,11 @@ _STATEMENT_STARTERS = frozenset(
 )
 _TYPE_STARTERS = frozenset(KIND[n] for n in ("NAME", "STRING", "ARRAY", "POINTER", "REFERENCE", "STRUCT", "LPAR"))
 _PREFIXES = ("GT", "MC", "SMC")  # their underscore is often lost in print
-_GLUED = re.compile(rf"({'|'.join(k for k in KEYWORDS if k.startswith('END_'))})(?!_)(\w+)", re.I)
 _TRUSTED = 5  # tokens that must read on after a mend
 
 
-def glued(text: str) -> str:
-    """END_IF for END_IFrtn, a keyword that the next word stuck to; '' for any other name."""
-    match = _GLUED.fullmatch(text)
-    return match[1].upper() if match else ""
-
-
 def split(tokens: Tokens, token: int, keyword: str) -> None:
-    """Make two tokens of one that `glued` recognised."""
+    """Make two tokens of one that `words.glued` recognised."""
     rest = tokens.texts[token][len(keyword) :]
     end = tokens.ends[token]
     offset = end - len(rest)
@@ -145,7 +139,7 @@ def bare_program(r: Repairs, at: int) -> int | None:
     units = r.machine.values[-1] if r.machine.values else []
     if r.reads_program or any(isinstance(u, s.Pou) and u.kind == "PROGRAM" for u in units):
         return None
-    change = r.search(at)
+    change = Search(r, at).best()
     if change is not None and change.score > 12 and _only_head_missing(change, kinds, at):
         return None
     r.reads_program = True

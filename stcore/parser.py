@@ -11,7 +11,7 @@ import functools
 import gc
 from collections.abc import Callable
 
-from stcore import build, lexer, repair, tables
+from stcore import build, build_statements, lexer, repair, tables
 from stcore import syntax as s
 from stcore.diagnostics import Reporter
 from stcore.lexer import Tokens
@@ -29,7 +29,7 @@ def parse(source: Source, reporter: Reporter | None = None, mend: bool = True) -
 
 def parse_expression(source: Source, reporter: Reporter) -> s.Node | None:
     """A single expression, as the prompt and ``--until`` take it; None when it is none."""
-    return _run(source, reporter, "expression", False)
+    return _run(source, reporter, "expression", True)
 
 
 def parse_statements(source: Source, reporter: Reporter) -> list[s.Node]:
@@ -39,16 +39,20 @@ def parse_statements(source: Source, reporter: Reporter) -> list[s.Node]:
 
 def parse_initializer(source: Source, reporter: Reporter) -> s.Node | None:
     """A value as the command line takes it: 5, TRUE, 'text', T#5ms, [1, 2, 3], (acc := 0.25); None when it is none."""
-    return _run(source, reporter, "initials", False)
+    return _run(source, reporter, "initials", True)
 
 
 def _run(source: Source, reporter: Reporter, start: str, mend: bool):
     collecting = gc.isenabled()
+    strict = reporter.strict
+    if not mend:
+        reporter.strict = True
     gc.disable()  # a tree has no cycles; looking for some while it grows takes a third of the time
     try:
         tokens = lexer.tokenize(source, reporter)
         return Machine(tokens, reporter, mend, start == "statements").run(start)
     finally:
+        reporter.strict = strict
         if collecting:
             gc.enable()
 
@@ -60,7 +64,7 @@ def _table() -> tables.Table:
 
 @functools.cache
 def _functions() -> list[Callable]:
-    return [getattr(build, name) for name in _table().names]
+    return [getattr(build, name, None) or getattr(build_statements, name) for name in _table().names]
 
 
 class Machine:

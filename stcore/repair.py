@@ -1,73 +1,27 @@
 """Syntax errors: the smallest change that lets the parser go on, said in the user's words.
 
-The parser stands at a token that cannot follow. Here the stack of states is a notebook: on copies of it, without
-making nodes, every change of one token is tried - put one in, take one out, read one as another - at the token itself
-and at the tokens that began what is still unfinished. The change that leads furthest at the lowest cost wins, is
-reported once and made in the list of tokens. Blocks that are not closed, or closed twice, are judged by how far the
-rest of the file then reads (stcore/blocks.py). What nothing repairs is skipped up to the next statement.
+The parser stands at a token that cannot follow. The best change of one token (stcore/repair_search.py) is reported once
+and made in the list of tokens; the parser goes on with it. Blocks that are not closed, or closed twice, are judged by
+how far the rest of the file then reads (stcore/blocks.py). What nothing repairs is skipped up to the next statement.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from stcore import blocks, mend, tables
-from stcore.lexer import END_KINDS, KIND, NAME, TERMINALS, WORDS
-from stcore.words import CLOSER_OF, CLOSERS, CLOSING, UNIT_STARTERS, keyword_kind, near_keywords, text_for, word
+from stcore.lexer import KIND, NAME, TERMINALS
+from stcore.repair_search import Change, Search
+from stcore.words import CLOSER_OF, CLOSERS, CLOSING, UNIT_STARTERS, text_for, word
 
 if TYPE_CHECKING:
     from stcore.parser import Machine
 
-LOOK = 14  # tokens that a repair has to lead over to be trusted fully
-ENOUGH = 3  # tokens that it has to lead over at least
 MAX_REPAIRS = 200  # of one file; after that it is something else than ST
-_REST = 8_000  # tokens in which the other half of a block is looked for
 _SETTLED = 3  # tokens read since the last error, before the next one is its own
 
 # a state before one of these lists, or in it, is where reading can begin again
 _LISTS = ("statement", "declaration", "unit", "section", "type_declaration", "config_item", "case")
-
-# what putting a token in costs; the likelier a slip, the cheaper
-_INSERT = {
-    "THEN": 0.8, "DO": 0.8, "OF": 0.8, "TO": 0.8, "SEMI": 1.2, "RPAR": 1.0, "RBRACKET": 1.0, "COLON": 1.2, "ASSIGN": 1.2,
-    "UNTIL": 1.4, "LPAR": 1.3, "LBRACKET": 1.3,
-    "COMMA": 1.15, "NUMBER": 1.6, "NAME": 1.7, "BINOP": 1.8, "DOTDOT": 1.4, "ARRAY": 1.4, "DOT": 2.0, "ELSIF": 2.2,
-    "ELSE": 2.2, "POINTER": 2.0, "BY": 2.0, "ON": 1.5, "TASK": 1.8,
-    # the beginnings of blocks, only where an end waits for one
-    "IF": 0.5, "FOR": 0.6, "WHILE": 0.7, "CASE": 0.6, "REPEAT": 0.9, "VAR": 0.5, "STRUCT": 0.7, "TYPE": 0.7,
-    "PROGRAM": 0.6, "FUNCTION": 0.8, "FUNCTION_BLOCK": 0.8, "VAR_GLOBAL": 0.8, "UNION": 0.9, "ACTION": 0.9,
-    "RESOURCE": 1.0, "CONFIGURATION": 1.0,
-}  # fmt: skip
-_INSERT_COSTS = {KIND[n]: cost for n, cost in _INSERT.items() if n in KIND}
-_INSERT_COSTS |= dict.fromkeys(CLOSER_OF.values(), 0.6)
-_BLOCK_WORDS = CLOSER_OF.keys() | set(CLOSER_OF.values())
-
-_SIGNS = frozenset(
-    KIND[n] for n in (
-        "ASSIGN", "SETOP", "ARROW", "EQ", "SIGN", "BINOP", "COLON", "SEMI", "COMMA", "DOT", "DOTDOT", "CARET", "HASH",
-        "LPAR", "RPAR", "LBRACKET", "RBRACKET",
-    )
-)  # fmt: skip
-_LINKS = frozenset(KIND[n] for n in ("THEN", "DO", "OF", "TO", "BY"))
-_WORD_KINDS = frozenset(WORDS.values())
-_POU_ENDS = [KIND[n] for n in ("END_PROGRAM", "END_FUNCTION", "END_FUNCTION_BLOCK", "$END")]
-_OUTER = frozenset(
-    KIND[n] for n in ("PROGRAM", "FUNCTION", "FUNCTION_BLOCK", "TYPE", "VAR_GLOBAL", "RESOURCE", "CONFIGURATION")
-)
-_ENDINGS = CLOSING | UNIT_STARTERS | {0}
-_SECTION_STARTERS = frozenset(KIND[n] for n in ("VAR", "VAR_GLOBAL", "TYPE", "STRUCT"))
-
-
-class Change(NamedTuple):
-    """A repair: before entry `depth` of the stack, tokens at..upto-1 are read as `kinds`."""
-
-    score: float
-    action: str  # insert, delete, keyword, replace, reserved, split
-    depth: int
-    at: int
-    upto: int
-    kinds: tuple[int, ...]
-    keyword: str = ""
 
 
 class Repairs:
@@ -80,7 +34,6 @@ class Repairs:
         self.count = 0
         self.settled = -1  # an error before this token only follows from the last one
         self.panics: set[int] = set()
-        self._spare: dict[int, int] = {}
         self.lost: dict[int, int] = {}  # closers whose opener was skipped
         self.reads_program = False  # statements stood alone: their END_PROGRAM is not missed
         self.prompt = machine.prompt  # what was typed at a prompt needs no semicolon at its end
@@ -106,7 +59,7 @@ class Repairs:
                     return after
         if (after := blocks.repair(self, at)) is not None:
             return after
-        change = self.search(at)
+        change = Search(self, at).best()
         if change is None:
             return self.panic(at)
         return self.apply(change, at)
@@ -146,6 +99,10 @@ class Repairs:
         """Forget what was read from entry `depth` of the stack on."""
         machine = self.machine
         del machine.states[depth + 1 :], machine.values[depth:], machine.firsts[depth:]
+
+    def row(self, depth: int) -> dict[int, int]:
+        """What can follow when the stack is cut to `depth` entries."""
+        return self.table.rows[self.machine.states[depth]]
 
     def depth_of(self, token: int) -> int | None:
         """The lowest entry that begins with a token, if one does."""
@@ -212,101 +169,6 @@ class Repairs:
                 rule = ~state
         return limit
 
-    # ------------------------------------------------------------------------------------------------- search
-
-    def search(self, at: int) -> Change | None:
-        """The best change of one token, or None when none leads over the next few tokens."""
-        best = None
-        self._spare.clear()
-        for depth, token, penalty in self._places(at):
-            for change in self._changes(depth, token, at, penalty):
-                if change is not None and (best is None or change.score > best.score):
-                    best = change
-        return best
-
-    def _places(self, at: int) -> list[tuple[int, int, float]]:
-        """Where a change may help: (entries kept, token, penalty). First the error itself, then what is unfinished."""
-        firsts = self.machine.firsts
-        top = len(firsts)
-        places = [(top, at, 0.0)]
-        lowest: dict[int, int] = {}
-        anchor = self.anchor()
-        for entry in range(top - 1, anchor, -1):
-            lowest[firsts[entry]] = entry
-        if anchor >= 0 and at - firsts[anchor] < 300:
-            lowest[firsts[anchor]] = anchor
-            while lowest[firsts[anchor]] and firsts[lowest[firsts[anchor]] - 1] == firsts[anchor]:
-                lowest[firsts[anchor]] -= 1
-        nearest = list(lowest.items())
-        for number, (token, entry) in enumerate(nearest):
-            if number < 6 or number >= len(nearest) - 2:
-                places.append((entry, token, 0.3 * min(number + 1, 6) if token != at else 0.1))
-        return places
-
-    def _changes(self, depth: int, token: int, at: int, penalty: float):
-        """The changes at a token, scored; None for one that does not lead far enough."""
-        tokens, kinds = self.tokens, self.tokens.kinds
-        kind, row = kinds[token], self.table.rows[self.machine.states[depth]]
-        far = at - token > 30
-
-        def scored(action: str, edit: tuple[int, ...], upto: int, cost: float, keyword: str = ""):
-            reached = self.reads(depth, edit, upto, at + LOOK)
-            if reached >= len(kinds) or reached >= at + LOOK:
-                score = LOOK - cost - penalty
-            elif reached > at and kinds[reached] in _ENDINGS:
-                score = LOOK - cost - penalty - 0.5  # that a block ends wrongly there is another matter
-            elif reached - at >= ENOUGH:
-                score = reached - at - cost - penalty - 3
-            else:
-                return None
-            return Change(score, action, depth, token, upto, edit, keyword)
-
-        for inserted in row:
-            cost = _INSERT_COSTS.get(inserted)
-            if cost is not None and (inserted in _SECTION_STARTERS or not far):
-                change = scored("insert", (inserted,), token, cost + self._unlikely(inserted, token))
-                yield change if change and self._lacks_half(inserted, at) else None
-        if far or kind == 0:
-            return
-        again = token and kinds[token - 1] == kind and tokens.texts[token - 1].upper() == tokens.texts[token].upper()
-        yield scored("delete", (), token + 1, 0.3 if again else 1.8 if kind in _SIGNS else 1.9)
-        if kind == NAME:
-            for keyword, away in near_keywords(tokens.texts[token])[:6]:
-                wanted = keyword_kind(keyword)
-                cost = 0.4 * away + (0.6 if len(keyword) < 4 else 0.0)
-                change = scored("keyword", (wanted,), token + 1, cost, keyword)
-                if change and wanted in _BLOCK_WORDS:  # what has lost its other half is what was meant
-                    change = change._replace(score=change.score + (0.8 if self._lacks_half(wanted, at) else -0.5))
-                yield change
-            if split := mend.glued(tokens.texts[token]):
-                yield scored("split", (keyword_kind(split), NAME), token + 1, 0.5, split)
-        elif kind in _SIGNS or kind in _LINKS:
-            for other in row.keys() & (_SIGNS if kind in _SIGNS else _LINKS):
-                yield scored("replace", (other,), token + 1, 1.7)
-        if kind in _WORD_KINDS and NAME in row:
-            yield scored("reserved", (NAME,), token + 1, 1.5)
-
-    def _lacks_half(self, word: int, at: int) -> bool:
-        """Whether a word that begins or ends a block would find its other half alone; True for any other word."""
-        if word not in _BLOCK_WORDS:
-            return True
-        opens = word in CLOSER_OF
-        closer = CLOSER_OF[word] if opens else word
-        if closer not in self._spare:
-            self._spare[closer] = self._count_spare(closer, at)
-        return self._spare[closer] > 0 if opens else self._spare[closer] < 0
-
-    def _count_spare(self, closer: int, at: int) -> int:
-        """How many more ends of a kind than blocks that need one: what is open now and what the rest of the POU has."""
-        kinds = self.tokens.kinds
-        openers = [k for k, c in CLOSER_OF.items() if c == closer]
-        rest = kinds[at : at + _REST]
-        if not _OUTER & {*openers}:
-            stop = min((rest.index(k) for k in _POU_ENDS if k in rest), default=len(rest))
-            rest = rest[:stop]
-        open_now = sum(CLOSER_OF[kinds[t]] == closer for _, t in self.open_blocks())
-        return rest.count(closer) - sum(rest.count(k) for k in openers) - open_now
-
     def after_junk(self, token: int) -> bool:
         """Whether a character that is no token, reported already, stands before a token."""
         if not self.tokens.junk:
@@ -321,18 +183,6 @@ class Repairs:
         start = self.tokens.starts[token]
         line = self.tokens.source.text.rfind("\n", 0, start)
         return any(line < offset <= start for offset in self.tokens.junk)
-
-    def _unlikely(self, kind: int, token: int) -> float:
-        """A semicolon is forgotten at the end of a line rather than within one, an operator the other way round; after
-        a complete statement it is no repair."""
-        starts_line = self.tokens.starts_line(token)
-        if self.after_junk(token):  # most likely it stands for a sign
-            return -1.2 if kind == KIND["BINOP"] else 0.0
-        if kind == KIND["SEMI"]:
-            if token and self.tokens.kinds[token - 1] in END_KINDS | {kind}:
-                return LOOK
-            return 0.0 if starts_line else 0.7
-        return 0.6 if kind == KIND["BINOP"] and starts_line else 0.0
 
     # ------------------------------------------------------------------------------------------------- change
 
@@ -375,7 +225,7 @@ class Repairs:
             opener = closing[-1][1]
             self.report("E0103", opener, opener + 1, **self.block_fields(opener))
             return
-        row = self.table.rows[self.machine.states[depth]]
+        row = self.row(depth)
         what = "a type" if kind == NAME and KIND["ARRAY"] in row else word(kind)
         self.report_gap("E0102", token, what=what, where=self._where(kind, depth, token))
 
@@ -403,7 +253,7 @@ class Repairs:
 
     def _expected(self, depth: int) -> str:
         """A hint of what could stand here, where that is one thing or two."""
-        row = self.table.rows[self.machine.states[depth]]
+        row = self.row(depth)
         signs = sorted({word(k) for k in row if word(k) != word(KIND["BINOP"])} - {word(0)})
         return f"expected {' or '.join(signs)}" if 0 < len(signs) <= 2 else ""
 

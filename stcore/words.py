@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import re
+
 from stcore.lexer import KEYWORDS, KIND, TERMINALS, WORDS
 
 _NAMES = {
     "$END": "the end of the file", "NAME": "a name", "NUMBER": "a value", "TYPED": "a value", "TEXT": "a string",
-    "BOOLEAN": "TRUE or FALSE", "ADDRESS": "an address", "PART": "a part", "ASSIGN": ":=", "SETOP": "S=", "ARROW": "=>",
-    "EQ": "=", "SIGN": "+ or -", "BINOP": "an operator", "WORDOP": "an operator", "COLON": ":", "SEMI": ";", "COMMA": ",",
-    "DOT": ".", "DOTDOT": "..", "CARET": "^", "HASH": "#", "LPAR": "(", "RPAR": ")", "LBRACKET": "[", "RBRACKET": "]",
-    "QUALIFIER": "CONSTANT or RETAIN",
+    "BOOLEAN": "TRUE or FALSE", "ADDRESS": "an address", "PART": "a part", "ASSIGN": ":=", "SETOP": "S=",
+    "ARROW": "=>", "EQ": "=", "SIGN": "+ or -", "BINOP": "an operator", "WORDOP": "an operator", "COLON": ":",
+    "SEMI": ";", "COMMA": ",", "DOT": ".", "DOTDOT": "..", "CARET": "^", "HASH": "#", "LPAR": "(", "RPAR": ")",
+    "LBRACKET": "[", "RBRACKET": "]", "QUALIFIER": "CONSTANT or RETAIN",
 }  # fmt: skip
 
 # what stands for a token that was missing, so that the tree is whole
@@ -21,6 +23,7 @@ CLOSERS = {
     "PROGRAM": "END_PROGRAM", "FUNCTION": "END_FUNCTION", "FUNCTION_BLOCK": "END_FUNCTION_BLOCK",
     "ACTION": "END_ACTION", "CONFIGURATION": "END_CONFIGURATION", "RESOURCE": "END_RESOURCE",
 }  # fmt: skip
+_GLUED = re.compile(rf"({'|'.join(k for k in KEYWORDS if k.startswith('END_'))})(?!_)(\w+)", re.I)
 CLOSER_OF = {KIND[opener]: KIND[closer] for opener, closer in CLOSERS.items()}
 CLOSING = frozenset(CLOSER_OF.values()) | {KIND["ELSE"], KIND["ELSIF"], KIND["UNTIL"]}
 UNIT_STARTERS = frozenset(
@@ -78,3 +81,9 @@ def near_keywords(text: str) -> list[tuple[str, int]]:
 def keyword_kind(keyword: str) -> int:
     """The terminal of a keyword, ACTION included."""
     return KIND[keyword] if keyword == "ACTION" else WORDS[keyword]
+
+
+def glued(text: str) -> str:
+    """END_IF for END_IFrtn, a keyword that the next word stuck to; '' for any other name."""
+    match = _GLUED.fullmatch(text)
+    return match[1].upper() if match else ""
