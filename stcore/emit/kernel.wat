@@ -90,16 +90,23 @@
     (br $next))
   unreachable)
 
-;; --- forced variables: (address, size, 8 bytes value) each
+;; --- forced variables: (address, size 1 or 8, 8 bytes value, 8 bytes mask) each; only the bits of the mask change
 
-(func $apply_forces (local $at i32) (local $left i32)
+(func $apply_forces (local $at i32) (local $left i32) (local $to i32)
   (local.set $left (i32.load (i32.const 76)))
   (local.set $at (i32.load (i32.const 72)))
   (loop $next
     (if (local.get $left)
       (then
-        (memory.copy (i32.load (local.get $at)) (i32.add (local.get $at) (i32.const 8)) (i32.load offset=4 (local.get $at)))
-        (local.set $at (i32.add (local.get $at) (i32.const 16)))
+        (local.set $to (i32.load (local.get $at)))
+        (if (i32.eq (i32.load offset=4 (local.get $at)) (i32.const 8))
+          (then (i64.store (local.get $to)
+            (i64.or (i64.and (i64.load (local.get $to)) (i64.xor (i64.load offset=16 (local.get $at)) (i64.const -1)))
+              (i64.and (i64.load offset=8 (local.get $at)) (i64.load offset=16 (local.get $at))))))
+          (else (i32.store8 (local.get $to)
+            (i32.or (i32.and (i32.load8_u (local.get $to)) (i32.xor (i32.load8_u offset=16 (local.get $at)) (i32.const -1)))
+              (i32.and (i32.load8_u offset=8 (local.get $at)) (i32.load8_u offset=16 (local.get $at)))))))
+        (local.set $at (i32.add (local.get $at) (i32.const 24)))
         (local.set $left (i32.sub (local.get $left) (i32.const 1)))
         (br $next)))))
 

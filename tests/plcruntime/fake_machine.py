@@ -181,8 +181,10 @@ class FakeMachine:
     def _forces(self) -> None:
         table, count = struct.unpack_from("<II", self._bytes, FORCES)
         for i in range(count):
-            address, size, value = struct.unpack_from("<II8s", self._bytes, table + 16 * i)
-            self._bytes[address : address + size] = value[:size]
+            address, size, value, mask = struct.unpack_from("<II8s8s", self._bytes, table + 24 * i)
+            for k in range(size):
+                old = self._bytes[address + k]
+                self._bytes[address + k] = old & ~mask[k] | value[k] & mask[k]
 
     def _row(self) -> None:
         table, count = struct.unpack_from("<II", self._bytes, TRACE)
