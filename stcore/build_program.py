@@ -99,7 +99,7 @@ def _checked(sources: list[Source], libraries: Sequence[Path], strict: bool):
             from stcore.check.initial import check_init
 
             check_init(project, var.init, var.type, var.library)
-        project._reach_type(var.type)
+        project.reach_type(var.type)
     for field, init in list(project.field_inits.items()):
         from stcore.check.initial import check_init
 

@@ -62,11 +62,11 @@ class CheckedProject(Project):
         checker = Checker(self, pou.source, pou, pou.library)
         for var in [*pou.variables.values(), *([pou.result] if pou.result else [])]:
             self.direct(var)
-            self._reach_type(var.type)
+            self.reach_type(var.type)
         checker.initial_values()
         checker.check_pou()
 
-    def _reach_type(self, kind: t.Type) -> None:
+    def reach_type(self, kind: t.Type) -> None:
         """An instance may be called through a pointer: its code must be there."""
         while isinstance(kind, t.Array):
             kind = kind.element
@@ -74,7 +74,7 @@ class CheckedProject(Project):
             self.reach(self.block_pous[kind])
         elif isinstance(kind, t.Struct):
             for field in kind.members.values():
-                self._reach_type(field.type)
+                self.reach_type(field.type)
 
     def direct(self, var: Var) -> None:
         """Make room for a variable at a direct address."""

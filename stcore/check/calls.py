@@ -50,11 +50,14 @@ class Calls(Expressions):
                 return builtins.check(self, symbol.name, node)
             if symbol is self.pou_result() and symbol is not None:
                 symbol = self.pou  # a function that calls itself
-            if symbol is None and key(node.callee.name).startswith("TO_"):
+            if symbol is None and "TO_" in key(node.callee.name):
                 made = self._overloaded_conversion(node)
                 if made is not None:
                     return made
+                symbol = self.lookup(_short_names(node.callee.name))
             if symbol is None:
+                if self.numbered_instance(node.callee) is not None:
+                    return self.call(node, checked)
                 meant = self.meant(node.callee, node.callee.name, self.known_names())
                 if meant is None:
                     self.unknown_name(node.callee, node.callee.name, "E0404")
@@ -85,6 +88,10 @@ class Calls(Expressions):
             return self._skip(node)
         if isinstance(kind, t.Block):
             return self._block(node, kind, checked)
+        instance = self.declare_instance(node.callee, symbol) if isinstance(symbol, Pou) else None
+        if instance is not None:
+            node.callee = self.expr(node.callee)
+            return self._block(node, instance.type, checked)
         if isinstance(symbol, TypeName) or isinstance(symbol, Pou):
             self.error("E0405", node.callee, name=self.text(node.callee))
         else:
@@ -114,7 +121,9 @@ class Calls(Expressions):
         if value.type is t.ERROR:
             return self.wrong(node)
         base = t.base_of(value.type)
-        name = "STRING" if isinstance(base, t.String) else base.name
+        if isinstance(base, t.String) and base.wide == (target == "WSTRING"):
+            return value
+        name = f"{'W' * base.wide}STRING" if isinstance(base, t.String) else base.name
         return self.library_call(node, f"{name}_TO_{target}", [value])
 
     def library_call(self, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
@@ -187,7 +196,7 @@ class Calls(Expressions):
         names = {key(n): any_type for n, any_type in pou.tree.generics}
         declared = [d for x in pou.tree.sections if x.kind in ("VAR_INPUT", "VAR_IN_OUT") for d in x.decls]
         for i, arg in enumerate(node.args):
-            decl = next((d for d in declared if arg.name and key(d.name) == key(arg.name)), None)
+            decl = next((d for d in declared if arg.name and key(arg.name) in _names(d)), None)
             decl = decl or (declared[min(i, len(declared) - 1)] if arg.name is None else None)
             if decl is None or arg.value is None or not isinstance(decl.type, s.NamedType):
                 continue
@@ -209,6 +218,7 @@ class Calls(Expressions):
         """Parameter -> Arg ('EN' and 'ENO' by name). None when there are too many or unknown ones."""
         inputs, bound, failed = pou.inputs(), {}, False
         named = {key(p.name): p for p in pou.parameters}
+        named |= {key(p.decl.attributes["also"]): p for p in pou.parameters if "also" in p.decl.attributes}
         position = 0
         args = self._without_core_number(node, pou, len(inputs))
         for arg in args:
@@ -320,6 +330,17 @@ class Calls(Expressions):
         self._mark(node.callee, node.callee, True, True)
         node.symbol, node.type = call, None
         return node
+
+
+def _names(decl: s.VarDecl) -> set[str]:
+    """A parameter's name, and the one it has in the standard where CODESYS has another."""
+    return {key(decl.name), key(decl.attributes.get("also", decl.name))}
+
+
+def _short_names(name: str) -> str:
+    """TIME_OF_DAY_TO_STRING -> TOD_TO_STRING."""
+    source, separator, target = key(name).partition("_TO_")
+    return t.ALIASES.get(source, source) + separator + t.ALIASES.get(target, target)
 
 
 def _bind(known: t.Type | None, kind: t.Type) -> t.Type:

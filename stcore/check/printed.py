@@ -6,6 +6,7 @@ that is not declared is an error: a typing mistake must not become a new variabl
 
 from __future__ import annotations
 
+import re
 from fnmatch import fnmatchcase
 
 from stcore import syntax as s
@@ -72,10 +73,31 @@ class Printed(Context):
         if kind is None:
             return None
         self.report("W0132", node, name=node.name, type=kind)
-        var = Var(node.name, kind, "global", self.project.allocate(kind.size, max(kind.align, 4)), owner=pou)
-        pou.variables[key(node.name)] = var
-        if pou.type is not None:
-            pou.type.members[key(node.name)] = t.Field(node.name, kind, var.address, "VAR_STAT")
+        return self._declare(node.name, kind)
+
+    def declare_instance(self, node: s.Name, block: Pou) -> Var | None:
+        """An instance of a block that a printed template calls by the block's own name."""
+        if self.pou is None or block.type is None or not self.printed:
+            return None
+        self.report("W0134", node, name=block.name)
+        return self._declare(block.name, block.type)
+
+    def numbered_instance(self, node: s.Name) -> Var | None:
+        """MC_Power0, MC_Power_1: how templates name an instance whose declaration they leave out."""
+        match = re.fullmatch(r"(\w+?)_?\d+", node.name)
+        block = self.lookup(match[1]) if match and self.printed and self.pou is not None else None
+        if not isinstance(block, Pou) or block.type is None:
+            return None
+        self.report("W0132", node, name=node.name, type=block.type)
+        return self._declare(node.name, block.type)
+
+    def _declare(self, name: str, kind: t.Type) -> Var:
+        """A variable that the text forgot; static, so that the layout of instances stays."""
+        var = Var(name, kind, "global", self.project.allocate(kind.size, max(kind.align, 4)), owner=self.pou)
+        self.pou.variables[key(name)] = var
+        if self.pou.type is not None:
+            self.pou.type.members[key(name)] = t.Field(name, kind, var.address, "VAR_STAT")
+        self.project.reach_type(kind)
         return var
 
     def _own_names(self) -> list[str]:
@@ -135,17 +157,27 @@ class Use:
         return _is(node, self.name)
 
     def _argument(self) -> t.Type | None:
-        """Of a function that takes it, or its address."""
+        """Of a function or block that takes it, or its address."""
         for call in self.nodes:
             if not isinstance(call, s.Call) or not isinstance(call.callee, s.Name):
                 continue
-            pou = self.context.project.lookup(call.callee.name, self.context.library)
-            if not isinstance(pou, Pou) or pou.kind != "FUNCTION":
+            pou = self._called(call.callee.name)
+            if pou is None:
                 continue
-            for arg, parameter in zip(call.args, pou.inputs(), strict=False):
-                if arg.name is None and (kind := self._from_parameter(arg.value, parameter)) is not None:
+            named = {key(p.name): p for p in pou.parameters}
+            for i, arg in enumerate(call.args):
+                positional = pou.inputs()[i] if arg.name is None and i < len(pou.inputs()) else None
+                parameter = named.get(key(arg.name)) if arg.name else positional
+                if parameter is not None and (kind := self._from_parameter(arg.value, parameter)) is not None:
                     return kind
         return None
+
+    def _called(self, name: str) -> Pou | None:
+        """The function of a name, or the block that it is, or is an instance of."""
+        symbol = self.context.lookup(name)
+        if isinstance(symbol, Var) and isinstance(symbol.type, t.Block):
+            return self.context.project.block_pous[symbol.type]
+        return symbol if isinstance(symbol, Pou) and symbol.kind != "PROGRAM" else None
 
     def _from_parameter(self, value: s.Node | None, parameter: Var) -> t.Type | None:
         if _is(value, self.name):
