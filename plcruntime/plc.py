@@ -82,7 +82,7 @@ class PLC:
 
         source: a file, a folder, a plc.toml, the text of a program, or a list of files. interval: of a scan ('1ms').
         config: a plc.toml beside the source. strict: a mended misprint is an error.
-        Raises stcore.CompileError with .diagnostics, UsageError (a file that can't be read, a wrong plc.toml).
+        Raises stcore.CompileError with .diagnostics (a file that can't be read too), UsageError (a wrong plc.toml).
         """
         program, project = build(source, config, strict=strict)
         plc = cls(program, interval=interval, project=project, watchdog=watchdog)

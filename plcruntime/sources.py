@@ -19,7 +19,7 @@ def gather(
     """The files to compile and the project's settings.
 
     named: a file, a folder (all its ST files, or its plc.toml), a plc.toml, the text of a program, or a list of those.
-    Raises UsageError for what is not there or can't be read.
+    A file that can't be read is the compiler's to report. Raises UsageError for a wrong plc.toml, a folder without ST.
     """
     items = [named] if isinstance(named, str | Path) else list(named)
     if not items and config is None:
@@ -38,7 +38,7 @@ def gather(
         elif path.is_dir():
             files += _of_folder(path)
         else:
-            files.append(_readable(path))
+            files.append(path)
     return files or _of_project(project), project
 
 
@@ -50,7 +50,7 @@ def is_text(item: str | Path) -> bool:
 def _of_project(project: Project) -> list[Path | Source]:
     files: list[Path | Source] = []
     for path in project.files:
-        files += _of_folder(path) if path.is_dir() else [_readable(path)]
+        files += _of_folder(path) if path.is_dir() else [path]
     return files
 
 
@@ -59,11 +59,3 @@ def _of_folder(folder: Path) -> list[Path]:
     if not found:
         raise UsageError(f"no .st file in the folder {folder}")
     return found
-
-
-def _readable(path: Path) -> Path:
-    try:
-        with open(path, "rb"):
-            return path
-    except OSError as error:
-        raise UsageError(f"can't read {path}: {error.strerror}") from None

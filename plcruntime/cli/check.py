@@ -7,7 +7,7 @@ import sys
 
 from plcruntime import sources
 from plcruntime.cli import DONE, FAILED, output
-from stcore.diagnostics import as_json, gcc
+from stcore.diagnostics import CompileError, as_json, gcc
 
 
 def execute(arguments: argparse.Namespace) -> int:
@@ -17,7 +17,10 @@ def execute(arguments: argparse.Namespace) -> int:
     files, project = sources.gather(arguments.files, arguments.config)
     libraries = [*project.libraries, mclib.LIBRARY]
     with output.working("checking"):
-        diagnostics = diagnose(files, libraries=libraries, strict=arguments.strict or project.strict)
+        try:
+            diagnostics = diagnose(files, libraries=libraries, strict=arguments.strict or project.strict)
+        except CompileError as error:  # a file that can't be read
+            diagnostics = error.diagnostics
     if arguments.format == "json":
         print(as_json(diagnostics))
     elif arguments.format == "gcc":

@@ -212,7 +212,9 @@ def test_wrong_usage(capsys, file, options, words):
 def test_files_that_can_not_be_read(capsys, tmp_path):
     for command in ("run", "check"):
         code, out, err = run(capsys, command, tmp_path / "nope.st")
-        assert code == 2 and err == f"scancycle: can't read {tmp_path / 'nope.st'}: No such file or directory\n"
+        assert code == 1 and f"error E0704: {tmp_path / 'nope.st'} can't be read: No such file" in err
+    code, result = run_json(capsys, tmp_path / "nope.st")
+    assert code == 1 and [d["code"] for d in result["diagnostics"]] == ["E0704"]
     assert run(capsys, "run")[0] == 2
     assert run(capsys)[0] == 2
 

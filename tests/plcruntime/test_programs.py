@@ -81,6 +81,18 @@ def test_force_of_a_bit_is_seen_by_the_program(plc):
     assert plc["lamp"] is False
 
 
+def test_a_forced_bit_leaves_its_neighbours():
+    plc = PLC.load("PROGRAM PLC_PRG VAR w AT %QW0 : WORD; n : UINT; END_VAR n := n + 1; w := UINT_TO_WORD(n); END_PROGRAM")
+    trace = plc.trace("w")
+    plc.force("w.3", True)
+    plc.force("w.0", False)
+    plc.scan(500)
+    assert trace["w"].tolist() == [n & ~1 | 8 for n in range(1, 501)]
+    plc.unforce("w.3")
+    plc.scan()
+    assert plc["w"] == 500 and plc.forced == ["PLC_PRG.w.0"]
+
+
 def test_global_lists(tmp_path):
     (tmp_path / "GVL.st").write_text(GLOBALS)
     (tmp_path / "main.st").write_text("PROGRAM PLC_PRG VAR x : INT; END_VAR x := limit + most; END_PROGRAM")
