@@ -225,6 +225,7 @@ class Declarer:
             decl.name, kind, "this", section=section.kind, constant="CONSTANT" in q, retain="RETAIN" in q,
             persistent="PERSISTENT" in q, owner=pou, decl=decl, source=self.source, library=self.library,
         )  # fmt: skip
+        var.also = key(decl.attributes.get("also", ""))
         var.init = self.initial(decl, pou)
         if var.constant:
             var.read_only = "it is a CONSTANT"

@@ -41,7 +41,7 @@ class Var:
     decl: s.VarDecl | None = None
     source: Source | None = None
     library: bool = False
-    index: int = -1  # of its parameter, for the emitter
+    also: str = ""  # a second name as a parameter, upper case
 
 
 @dataclass(eq=False, slots=True)

@@ -218,7 +218,7 @@ class Calls(Expressions):
         """Parameter -> Arg ('EN' and 'ENO' by name). None when there are too many or unknown ones."""
         inputs, bound, failed = pou.inputs(), {}, False
         named = {key(p.name): p for p in pou.parameters}
-        named |= {key(p.decl.attributes["also"]): p for p in pou.parameters if "also" in p.decl.attributes}
+        named |= {p.also: p for p in pou.parameters if p.also}
         position = 0
         args = self._without_core_number(node, pou, len(inputs))
         for arg in args:
