@@ -133,7 +133,7 @@ def different(name: str, c: C, scans: int = 20_000) -> list[str]:
     return found
 
 
-def motion(quick: bool) -> list[dict]:
+def motion(rounds: int, quick: bool) -> list[dict]:
     """8 axes with 3 blocks each at 1 ms: multiples of real time."""
     rows = []
     for block, call in MOTIONS.items():
@@ -144,11 +144,11 @@ def motion(quick: bool) -> list[dict]:
         plc.scan(100)
         n = 2_000 if quick else 50_000
         best = math.inf
-        for _ in range(3):
+        for _ in range(rounds):
             start = time.perf_counter()
             plc.scan(n)
             best = min(best, time.perf_counter() - start)
-        moving = plc["PLC_PRG.inMotion"] / (8 * (100 + 3 * n))
+        moving = plc["PLC_PRG.inMotion"] / (8 * (100 + rounds * n))
         rows.append({"block": block, "scan": best / n * 1e9, "times": n * 1e-3 / best, "moving": moving})
     return rows
 
@@ -234,11 +234,14 @@ def processor() -> str:
     return platform.processor() or platform.machine()
 
 
-def machine_description(c: C | None) -> str:
-    gcc = subprocess.run(["gcc", "--version"], capture_output=True, text=True).stdout.splitlines()[0] if c else "no gcc"
+def machine_description() -> str:
+    load = f"load {os.getloadavg()[0]:.1f} at the start" if hasattr(os, "getloadavg") else "load unknown"
+    gcc = "no gcc"
+    if shutil.which("gcc"):
+        gcc = subprocess.run(["gcc", "--version"], capture_output=True, text=True).stdout.splitlines()[0]
     return ", ".join(
         [
-            f"{processor()}, {os.cpu_count()} cores",
+            f"{processor()}, {os.cpu_count()} cores, {load}",
             f"{platform.system()} {platform.machine()}",
             f"Python {platform.python_version()}",
             f"wasmtime {importlib.metadata.version('wasmtime')}",
@@ -254,8 +257,8 @@ def report(rows: list[dict], moves: list[dict], big: dict, start: tuple[str, flo
         f"Written by `make bench` on {datetime.date.today()}.",
         f"{machine}.",
         "",
-        "Ratios carry over to other machines, absolute times do not. Both columns of a row were measured in turns in one",
-        "process; each is the best of its rounds.",
+        "Ratios carry over to other machines, absolute times do not. Both columns of a row were measured in turns in",
+        "one process; each is the best of its rounds.",
         "",
         "## Generated code beside hand-written C",
         "",
@@ -275,8 +278,8 @@ def report(rows: list[dict], moves: list[dict], big: dict, start: tuple[str, flo
         lines.append(f"| geometric mean | | | | {best:.2f} | {middle:.2f} | {geometric(MATIEC.values()):.2f} |")
     lines += [
         "",
-        "matiec's ratios were measured elsewhere, without checks. gcc compiles the bubble sort of hand.c to branches that",
-        "are guessed wrong; that is why a compiler can be faster there.",
+        "matiec's ratios were measured elsewhere, without checks. gcc compiles the bubble sort of hand.c to branches",
+        "that are guessed wrong; that is why a compiler can be faster there.",
         "",
         "## Motion: 8 axes, 24 blocks, 1 ms",
         "",
@@ -310,16 +313,17 @@ def main() -> int:
     options = parser.parse_args()
 
     with tempfile.TemporaryDirectory() as folder:
+        machine = machine_description()
         c = C(folder) if shutil.which("gcc") else None
         if c is None:
             print("gcc is not installed: the comparison with C is left out", file=sys.stderr)
         rows = generated_code(c, options.rounds, options.quick)
     text = report(
         rows,
-        motion(options.quick),
+        motion(options.rounds, options.quick),
         compiling(1 if options.quick else 3),
         cold_start(1 if options.quick else 5),
-        machine_description(c),
+        machine,
     )
     print(text)
     wrong = [f"{row['name']}: {what}" for row in rows for what in row.get("differs", [])]
