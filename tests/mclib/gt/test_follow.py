@@ -98,7 +98,7 @@ def test_kinds_of_segments(gt, points):
 
 
 def test_fly_shear_tables_7_8_and_7_9(gt):
-    """A knife of 8000 pulses a turn cuts every 10000 pulses of the belt: equal velocity around each cut, 0.6 between."""
+    """A knife of 8000 pulses a turn cuts every 10000 pulses of the belt: equal velocity at the cut, 0.6 between."""
     setup(gt, TABLE_7_8, loop=0)
     fill(gt, TABLE_7_9, fifo=1)
     gt.ok("GT_FollowStart", x=2)
@@ -126,7 +126,7 @@ def test_fly_shear_tables_7_8_and_7_9(gt):
 
 
 def test_example_7_8_two_seams(gt):
-    """FIFO 0, then the transition of Table 7-12, then Table 7-13 in FIFO 0 again: ratios 0-1-1-0, 0-1-1-0.6, 0.6-1-1-0.6."""
+    """FIFO 0, the transition of Table 7-12, Table 7-13 in FIFO 0 again: ratios 0-1-1-0, 0-1-1-0.6, 0.6-1-1-0.6."""
     setup(gt, TABLE_7_10, loop=0)
     gt.ok("GT_FollowStart", x=2)
     gt.follow(1, 2)
@@ -311,7 +311,7 @@ def test_return_codes(gt):
     assert gt("GT_FollowSpace", 2, j=-1) == 7
     assert gt("GT_FollowStart", x=2) == 1 and "no data" in gt.why
     fill(gt, [(100, 100)])
-    for bad in ({"x": 0}, {"x": 100}, {"x": 50}, {"x": -1}, {"x": 200, "i": 4}, {"x": 200, "i": -1}, {"x": 200, "j": 2}):
+    for bad in ({"x": 0}, {"x": 100}, {"x": 50}, {"x": -1}, {"x": 200, "i": 4}, {"x": 200, "j": 2}):
         assert gt("GT_FollowData", 2, **bad) == 7, bad
     assert gt("GT_FollowStart", x=0) == 1 and gt("GT_FollowStart", x=0x1000) == 7
     assert gt("GT_FollowSwitch", x=0) == 1 and gt("GT_FollowSwitch", x=0x1000) == 7
@@ -333,7 +333,7 @@ def test_random_data_of_normal_segments(gt):
     for _ in range(25):
         gt.ok("GT_FollowClear", 2)
         x, y, points, ratio = 0, 0.0, [], 0.0
-        for n in range(rng.randint(2, 16)):
+        for _ in range(rng.randint(2, 16)):
             step, goal = rng.randint(50, 400), rng.uniform(-3, 3)
             x, y, ratio = x + step, y + (ratio + goal) / 2 * step, goal
             points.append((x, y))
