@@ -20,7 +20,7 @@ KEYS: dict[str, dict[str, str]] = {
     "": {"project": "table", "task": "tables", "axis": "tables"},
     "project": {
         "files": "list of texts", "interval": "duration", "libraries": "list of texts", "watchdog": "duration",
-        "strict": "TRUE or FALSE",
+        "strict": "TRUE or FALSE", "retain": "text", "retain_every": "duration", "stimuli": "text",
     },
     "task": {
         "name": "text", "program": "text", "programs": "list of texts", "interval": "duration",
@@ -31,6 +31,8 @@ KEYS: dict[str, dict[str, str]] = {
         "soft_positive": "number", "soft_negative": "number", "following_error": "whole number",
         "stop_smooth": "number", "stop_abrupt": "number", "pulses_per_unit": "number", "modulo": "number",
         "max_velocity": "number", "max_acceleration": "number", "max_deceleration": "number", "max_jerk": "number",
+        "limit_positive": "number", "limit_negative": "number", "home_from": "number", "home_to": "number",
+        "index_period": "number", "index_at": "number",
     },
 }  # fmt: skip
 
@@ -41,8 +43,12 @@ MEMBERS: dict[str, str] = {
     "stop_smooth": "decSmooth", "stop_abrupt": "decAbrupt", "pulses_per_unit": "ref^.fScalefactor",
     "modulo": "ref^.fPositionPeriod", "max_velocity": "ref^.fSWMaxVelocity",
     "max_acceleration": "ref^.fSWMaxAcceleration", "max_deceleration": "ref^.fSWMaxDeceleration",
-    "max_jerk": "ref^.fSWMaxJerk",
+    "max_jerk": "ref^.fSWMaxJerk", "limit_positive": "places.positive", "limit_negative": "places.negative",
+    "home_from": "places.homeFrom", "home_to": "places.homeTo", "index_period": "places.indexPeriod",
+    "index_at": "places.index",
 }  # fmt: skip
+
+PLACES = {"limit_positive", "limit_negative", "home_from", "home_to"}  # keys that place a switch
 
 
 @dataclass(slots=True)
@@ -57,7 +63,8 @@ class Axis:
 
 @dataclass(slots=True)
 class Project:
-    """A project's settings; the defaults are those of a program without plc.toml. Times are ns, watchdog is s."""
+    """A project's settings; the defaults are those of a program without plc.toml. interval is ns; watchdog and
+    retain_every are s."""
 
     path: Path | None = None
     files: list[Path] = field(default_factory=list)
@@ -67,6 +74,9 @@ class Project:
     axes: list[Axis] = field(default_factory=list)
     watchdog: float | None = None
     strict: bool = False
+    retain: Path | None = None
+    retain_every: float | None = None
+    stimuli: Path | None = None
 
 
 def load(path: str | Path) -> Project:
@@ -92,8 +102,11 @@ def load(path: str | Path) -> Project:
         interval=_duration(path, "project.interval", head.get("interval")),
         tasks=[_task(path, i, t) for i, t in enumerate(data["task"])] if "task" in data else None,
         axes=_axes(path, data.get("axis", [])),
-        watchdog=(_duration(path, "project.watchdog", head["watchdog"], 0) or 0) / 1e9 if "watchdog" in head else None,
+        watchdog=_seconds(path, head, "watchdog"),
         strict=head.get("strict", False),
+        retain=path.parent / head["retain"] if "retain" in head else None,
+        retain_every=_seconds(path, head, "retain_every"),
+        stimuli=path.parent / head["stimuli"] if "stimuli" in head else None,
     )
 
 
@@ -154,6 +167,10 @@ def _duration(path: Path, where: str, value, least: int = 1) -> int | None:
     return ns
 
 
+def _seconds(path: Path, head: dict, key: str) -> float | None:
+    return (_duration(path, f"project.{key}", head[key], 0) or 0) / 1e9 if key in head else None
+
+
 def _task(path: Path, i: int, table: dict) -> TaskSpec:
     name = table.get("name", f"Task{i + 1}")
     programs = table.get("programs", []) + ([table["program"]] if "program" in table else [])
@@ -178,6 +195,12 @@ def _axes(path: Path, tables: list[dict]) -> list[Axis]:
         if "modulo" in table:
             axis.members["ref^.iMovementType"] = 0
             axis.keys["ref^.iMovementType"] = "modulo"
+        if "home_to" in table and "home_from" not in table:
+            axis.members["places.homeFrom"] = -1e299  # triggered everywhere below
+            axis.keys["places.homeFrom"] = "home_to"
+        if PLACES & table.keys():
+            axis.members["places.placed"] = True
+            axis.keys["places.placed"] = "home_from"
         axes.append(axis)
     return axes
 
