@@ -11,13 +11,14 @@ import time
 from collections.abc import Callable, Sequence
 from math import gcd
 
+from plcruntime import kept
 from plcruntime.forces import Forces, Piece
 from plcruntime.guard import Guard
-from plcruntime.snapshot import History, Snapshot, kept_regions, put_back, take
+from plcruntime.snapshot import History, Snapshot, put_back, take
 from plcruntime.stimuli import Schedule
 from plcruntime.trace import Recorder
 from stcore.faults import Fault
-from stcore.program import INTERRUPT, INTERVAL, NOW, NULL_PAGE, SCAN, TASK_RATIOS, Program
+from stcore.program import ALONE, INTERRUPT, INTERVAL, NOW, NULL_PAGE, SCAN, TASK_RATIOS, Program
 
 CALL_SECONDS = 0.05
 REALTIME_STEP = 10_000_000  # ns of virtual time between two looks at the wall clock
@@ -38,6 +39,7 @@ class Engine:
         self.schedule = Schedule()
         self.guard = Guard(machine, watchdog)
         self.after_scan: list[Callable[[], None]] = []
+        self.after_call: list[Callable[[], None]] = []  # whoever looks now and then, some 20 times a second
         self.between_calls: Callable[[int, int], None] | None = None  # (scans done, scans wanted), for progress
         self.fault: Fault | None = None
         self.run_s = 0.0
@@ -55,12 +57,10 @@ class Engine:
 
     def restart(self, kind: str) -> None:
         """First image, clock at 0. kind: 'warm' keeps RETAIN and PERSISTENT, 'cold' PERSISTENT, 'origin' nothing."""
-        regions = [] if kind == "origin" else kept_regions(self.program, persistent_only=kind == "cold")
-        memory = self.machine.memory
-        kept = [(address, bytes(memory[address : address + size])) for address, size in regions]
+        remembered = kept.remember(self.program, self.machine.memory, kind)
         self.fault = None
         self.machine.initialise()
-        self._put(kept)
+        kept.put_back(remembered, self.machine.memory)
         self._begin()
 
     def _begin(self) -> None:
@@ -133,6 +133,8 @@ class Engine:
                     for function in self.after_scan:
                         function()
                     reached = reached or bool(test and test())
+            for function in self.after_call:
+                function()
             if reached:
                 return True
             if self.between_calls:
@@ -177,6 +179,10 @@ class Engine:
             # towards CALL_SECONDS, at most eightfold at a time: the first scans are not like the others
             self._chunk = max(1, min(self._chunk * 8, int(step * CALL_SECONDS / max(seconds, 1e-7))))
         return self._until and self.machine.until_holds()
+
+    def choose_test(self, number: int) -> None:
+        """Run that test of the program in every scan, 0 for none; until the next restart."""
+        struct.pack_into("<i", self.machine.memory, ALONE, number)
 
     def start_history(self) -> None:
         """What was before can't be repeated: going back ends here."""
@@ -290,6 +296,6 @@ class _Clock:
 
 def _scan_times(program: Program, interval: int) -> tuple[int, list[int]]:
     """The length of a scan in ns, and for each task after how many scans it runs."""
-    intervals = [task.interval or interval for task in program.tasks]
+    intervals = [task.interval or interval for task in program.timed]
     scan = gcd(*intervals) if intervals else interval
     return scan, [i // scan for i in intervals]

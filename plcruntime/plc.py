@@ -10,7 +10,9 @@ Times are virtual: scan number k (from 0) sees k * interval, and nothing depends
 
 from __future__ import annotations
 
+import atexit
 import re
+import weakref
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -29,6 +31,7 @@ from stcore.paths import PathError, Place
 from stcore.program import Program
 
 if TYPE_CHECKING:
+    from plcruntime.retain import RetainFile
     from plcruntime.typed import Typed
 
 INTERVAL = 1_000_000  # ns, of a scan where nothing says otherwise
@@ -47,12 +50,14 @@ class PLC:
 
     def __init__(
         self, program: Program, *, interval: Time | None = None, project: Project | None = None,
-        watchdog: float | None = None, machine: Callable | None = None,
+        watchdog: float | None = None, machine: Callable | None = None, retain: str | Path | None = None,
     ) -> None:  # fmt: skip
         """program: as stcore.compile gives it. interval: of a scan, 1 ms if None. watchdog: s of wall clock that one
-        scan may take, 0 for no limit. machine: what runs the program, wasmtime if None.
+        scan may take, 0 for no limit. machine: what runs the program, wasmtime if None. retain: the file that RETAIN
+        and PERSISTENT variables are read from and kept in, see `save_retain`.
 
-        Raises ValueError for a bad interval, Fault when an initial value can't be worked out."""
+        Raises ValueError for a bad interval, Fault when an initial value can't be worked out, UsageError for a retain
+        file that can't be used."""
         self.program = program
         self.project = project or Project()
         limit = watchdog if watchdog is not None else self.project.watchdog
@@ -67,25 +72,31 @@ class PLC:
         self._make_machine = machine
         self._functions = host.functions(self) if host else {}
         self._typed: Typed | None = None
+        self.assertion: Exception | None = None  # of an ST test, the one that failed
         self.origin: tuple | None = None  # what `build` was told, for another build of the same program
         self._machine = self.new_machine(program)
         self._engine = Engine(program, self._machine, ns, WATCHDOG if limit is None else limit)
         self._bind = host.bind_axes if host else None
+        self.retain: RetainFile | None = None  # its `report` tells what became of the values that it held
+        if retain := retain or self.project.retain:
+            self._open_retain(retain)
         self._configure()
 
     @classmethod
     def load(
         cls, source: str | Path | Sequence[str | Path], interval: Time | None = None, config: str | Path | None = None,
-        *, strict: bool = False, watchdog: float | None = None,
+        *, strict: bool = False, watchdog: float | None = None, retain: str | Path | None = None,
     ) -> PLC:  # fmt: skip
         """Compile and load, ready before the first scan.
 
         source: a file, a folder, a plc.toml, the text of a program, or a list of files. interval: of a scan ('1ms').
-        config: a plc.toml beside the source. strict: a mended misprint is an error.
-        Raises stcore.CompileError with .diagnostics (a file that can't be read too), UsageError (a wrong plc.toml).
+        config: a plc.toml beside the source. strict: a mended misprint is an error. retain: the retain file, else that
+        of the plc.toml, else none.
+        Raises stcore.CompileError with .diagnostics (a file that can't be read too), UsageError (a wrong plc.toml, a retain
+        file that can't be used).
         """
         program, project = build(source, config, strict=strict)
-        plc = cls(program, interval=interval, project=project, watchdog=watchdog)
+        plc = cls(program, interval=interval, project=project, watchdog=watchdog, retain=retain)
         plc.origin = (source, config, strict)
         return plc
 
@@ -196,7 +207,10 @@ class PLC:
 
         Raises Fault as `scan` does; KeyboardInterrupt at a scan's boundary, with the PLC fit to go on.
         """
-        self._engine.advance(self._count(duration), realtime=realtime)
+        try:
+            self._engine.advance(self._count(duration), realtime=realtime)
+        finally:
+            self.save_retain()
 
     def run_until(self, condition: str | Callable, timeout: Time = "10s", *, realtime: bool = False) -> float:
         """Run until a condition holds at the end of a scan; gives the virtual time in s.
@@ -206,13 +220,17 @@ class PLC:
         virtual time, stcore.CompileError for a wrong expression, Fault as `scan` does.
         """
         count = self._count(timeout)
+        test = until = None
         if callable(condition):
-            reached = self._engine.advance(count, test=_with_plc(condition, self), realtime=realtime)
+            test = _with_plc(condition, self)
         else:
             from stcore.compiler import compile_condition
 
-            module = compile_condition(self.program, condition)
-            reached = self._engine.advance(count, until=module, realtime=realtime)
+            until = compile_condition(self.program, condition)
+        try:
+            reached = self._engine.advance(count, until=until, test=test, realtime=realtime)
+        finally:
+            self.save_retain()
         if not reached:
             text = condition if isinstance(condition, str) else getattr(condition, "__name__", repr(condition))
             raise ConditionTimeout(text, durations.text(count * self._engine.interval), self._read_by(condition))
@@ -331,11 +349,42 @@ class PLC:
         self.reset("warm")
 
     def reset(self, kind: str = "warm") -> None:
-        """'warm' keeps RETAIN and PERSISTENT, 'cold' only PERSISTENT, 'origin' nothing. Forces are released."""
+        """'warm' keeps RETAIN and PERSISTENT, 'cold' only PERSISTENT, 'origin' nothing. Forces are released.
+
+        The retain file, where there is one, then holds what was kept. Raises UsageError when it can't be written."""
         if kind not in ("warm", "cold", "origin"):
             raise ValueError(f"'{kind}' is no reset; there are warm, cold and origin")
         self._engine.restart(kind)
         self._configure()
+        self.save_retain()
+
+    def save_retain(self) -> None:
+        """Write the retain file now; without one nothing happens. Raises UsageError when it can't be written.
+
+        It is written besides at the end of `run` and `run_until`, by power_cycle and reset, while scans are run every
+        second of wall clock (retain_every in plc.toml), when the PLC is closed, and when Python ends."""
+        if self.retain:
+            self.retain.save()
+
+    def close(self) -> None:
+        """Save the retain file, as at the end of ``with PLC.load(...) as plc:``. The PLC can be used further."""
+        self.save_retain()
+
+    def __enter__(self) -> PLC:
+        return self
+
+    def __exit__(self, *_exception) -> None:
+        self.close()
+
+    def _open_retain(self, path: str | Path) -> None:
+        from plcruntime.retain import EVERY, RetainFile
+
+        every = self.project.retain_every
+        self.retain = RetainFile(path, self.program, lambda: self._machine.memory, EVERY if every is None else every)
+        self.retain.load()
+        self._engine.after_call.append(self.retain.poll)
+        at_exit = weakref.ref(self)
+        atexit.register(lambda: (plc := at_exit()) and plc.close())
 
     def _configure(self) -> None:
         """What the configuration says of the axes, and which axis of the program is which of the simulator."""

@@ -13,7 +13,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from stcore.program import NOW, NULL_PAGE, SCAN, Program
-from stcore.types import Array, Block, Struct, Type
 
 FRAMES = 64  # keyframes kept at most
 FRAME_BYTES = 64 << 20  # and their size together
@@ -118,47 +117,3 @@ class History:
             end += 1
         del self.journal[end:]
         return frame.snapshot, self.journal[start:]
-
-
-# --------------------------------------------------------------------------------------------------- power
-
-
-def kept_regions(program: Program, persistent_only: bool) -> list[tuple[int, int]]:
-    """(address, size) of every RETAIN or PERSISTENT variable, members of instances included."""
-    regions: list[tuple[int, int]] = []
-    for v in program.variables.values():
-        if v.constant:
-            continue
-        if _kept(v, persistent_only):
-            regions.append((v.address, v.type.size))
-        else:
-            _collect(v.type, v.address, persistent_only, regions)
-    return regions
-
-
-def _kept(item, persistent_only: bool) -> bool:
-    return item.persistent or item.retain and not persistent_only
-
-
-def _collect(t: Type, address: int, persistent_only: bool, regions: list[tuple[int, int]]) -> None:
-    if isinstance(t, Struct | Block):
-        for f in t.members.values():
-            if f.section in ("VAR_TEMP", "VAR_IN_OUT"):
-                continue
-            at = f.offset if f.section == "VAR_STAT" else address + f.offset
-            if _kept(f, persistent_only):
-                regions.append((at, f.type.size))
-            else:
-                _collect(f.type, at, persistent_only, regions)
-    elif isinstance(t, Array) and t.element.size and _has_kept(t.element, persistent_only):
-        for offset in range(0, t.size, t.element.size):
-            _collect(t.element, address + offset, persistent_only, regions)
-
-
-def _has_kept(t: Type, persistent_only: bool) -> bool:
-    """Whether a type has such a member at any depth; spares the walk over the elements of large arrays."""
-    if isinstance(t, Array):
-        return _has_kept(t.element, persistent_only)
-    if isinstance(t, Struct | Block):
-        return any(_kept(f, persistent_only) or _has_kept(f.type, persistent_only) for f in t.members.values())
-    return False
