@@ -92,6 +92,25 @@ class Trace:
         """Full path -> numpy array."""
         return {name: self[name] for name in self.names}
 
+    def tail(self, count: int) -> list[tuple]:
+        """The last rows, as `rows` gives them."""
+        kept = Trace(self.places, self.interval)
+        for s in reversed(self.segments):
+            take = min(count - len(kept), s.rows)
+            if take > 0:
+                skipped = s.rows - take
+                offset = s.offset + skipped * s.row_size
+                kept.segments.insert(0, Segment(s.first_scan + skipped, take, s.row_size, offset, s.data))
+        return list(kept.rows())
+
+    def compare(self, path, tolerance: float = 0.0, tolerances: dict | None = None) -> None:
+        """Compare with a recorded trace (a .csv that `to_csv` wrote); plcruntime.golden tells more.
+
+        Raises plcruntime.golden.GoldenMismatch (an AssertionError) with the difference, UsageError for a bad file."""
+        from plcruntime.golden import compare
+
+        compare(self, path, tolerance, tolerances)
+
     def rows(self) -> Iterator[tuple]:
         """(time in s, value, value ...) of every scan, without numpy."""
         layout = struct.Struct("<" + "".join(_code(p) for p in self.places))

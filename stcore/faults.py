@@ -8,15 +8,26 @@ constant tells the place.
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
+from pathlib import Path
 
 from stcore.codes import CODES
 from stcore.program import FAULT_A, FAULT_HIGH, FAULT_LOW, NULL_PAGE, SCAN, Program, Site
 
 
-class Fault(Exception):
-    """A run-time fault: code, message, file, line, column, instance (path of the POU instance), scan, hint."""
+ASSERTIONS = Path(__file__).parent / "library" / "testing"
 
-    def __init__(self, code: str, message: str, site: Site | None, instance: str, scan: int, hint: str) -> None:
+
+class Fault(Exception):
+    """A run-time fault: code, message, file, line, column, instance (path of the POU instance), scan, hint.
+
+    stack: the sites of the calls that were under way, innermost first.
+    """
+
+    def __init__(
+        self, code: str, message: str, site: Site | None, instance: str, scan: int, hint: str,
+        stack: Sequence[Site] = (),
+    ) -> None:  # fmt: skip
         self.code = code
         self.message = message
         self.file = site.file if site else ""
@@ -25,11 +36,12 @@ class Fault(Exception):
         self.instance = instance
         self.scan = scan
         self.hint = hint
+        self.stack = list(stack)
         super().__init__(f"{self.file}:{self.line}:{self.column}: fault {code} in {instance}, scan {scan}: {message}")
 
     def __reduce__(self):
         site = Site(self.file, self.line, self.column, "")
-        return Fault, (self.code, self.message, site, self.instance, self.scan, self.hint)
+        return Fault, (self.code, self.message, site, self.instance, self.scan, self.hint, self.stack)
 
 
 def locate(program: Program, memory: memoryview, code: str, frames: list[tuple[int, int]], cause: str = "") -> Fault:
@@ -39,15 +51,17 @@ def locate(program: Program, memory: memoryview, code: str, frames: list[tuple[i
     site = sites[0] if sites else None
     if not code:
         code = site.code if site and site.code else "F0107"
+    what = site.note if site else ""
+    # an assertion that does not hold is the business of who made it
+    site = next((s for s in sites if Path(s.file).parent != ASSERTIONS), site)
     values = struct.unpack_from("<q", memory, FAULT_A)[0]
     low, high = (struct.unpack_from("<q", memory, at)[0] for at in (FAULT_LOW, FAULT_HIGH))
     if code == "F0103" and values >= NULL_PAGE:
         code = "F0104"
     entry = CODES[code]
-    what = site.note if site else ""
     named = {"value": values, "low": low, "high": high, "what": what, "cause": cause}
     scan = struct.unpack_from("<q", memory, SCAN)[0]
-    return Fault(code, entry.message.format(**named), site, _path(sites), scan, entry.hint.format(**named))
+    return Fault(code, entry.message.format(**named), site, _path(sites), scan, entry.hint.format(**named), sites)
 
 
 def _path(sites: list[Site]) -> str:

@@ -204,7 +204,6 @@ class Known(CheckedProject):
         super().__init__(reporter, [])
         self.names = names
         self.top = top
-        self.library_index = names.index
         self.block_pous.update(names.block_pous)
         self.exports, self.defaults = names.exports, names.defaults
         self.frame: dict[Var, tuple[int, bool]] = {}
@@ -222,6 +221,7 @@ class Known(CheckedProject):
         if found is None:
             found = self.names.others.get(upper)
         if found is None:
+            self.library_index = self.names.index
             found = super().lookup(name)
         if found is None and "." not in upper:
             found = self._unique(name, self.names.library_short)
@@ -240,6 +240,7 @@ class Known(CheckedProject):
         symbols = [*self.names.exact.items(), *self.names.others.items()]
         names = [p.name if isinstance(p, Pou) else n for n, p in symbols]
         shorts = [next(iter(v.values())).name for v in self.names.short.values()]
+        self.library_index = self.names.index
         return [*shorts, *names, *super().known_names(library)]
 
     def scene_pou(self, scene: Scene | None) -> Pou:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import functools
 import struct
 from collections.abc import Callable, Mapping
 
@@ -58,6 +59,11 @@ def load_module(wasm: bytes) -> wasmtime.Module:
     module = wasmtime.Module(engine(), wasm)
     cache.store("native", key, bytes(module.serialize()))
     return module
+
+
+@functools.lru_cache(maxsize=64)
+def _side_module(wasm: bytes) -> wasmtime.Module:
+    return wasmtime.Module(engine(), wasm)
 
 
 class HostError(Exception):
@@ -127,10 +133,10 @@ class Machine:
         program = self.program
         memory = self.memory
         interval = bytes(memory[INTERVAL : INTERVAL + 8])
-        ratios = bytes(memory[TASK_RATIOS : TASK_RATIOS + 4 * len(program.tasks)])
+        ratios = bytes(memory[TASK_RATIOS : TASK_RATIOS + 4 * len(program.timed)])
         memory[: program.image_end] = program.image
         memory[INTERVAL : INTERVAL + 8] = interval if any(interval) else struct.pack("<q", 10**6)
-        default = struct.pack("<I", 1) * len(program.tasks)
+        default = struct.pack("<I", 1) * len(program.timed)
         memory[TASK_RATIOS : TASK_RATIOS + len(default)] = ratios if any(ratios) else default
         end = program.stack_top  # the counts of a probed build are not the program's
         memory[program.image_end : end] = bytes(end - program.image_end)
@@ -151,6 +157,9 @@ class Machine:
             return function(self._store, *args)
         except wasmtime.Trap as trap:
             raise self._fault(trap) from None
+        except BaseException:  # of a probe: the scan is given up in the middle
+            self._trapped = True
+            raise
 
     def _fault(self, trap: wasmtime.Trap) -> Fault:
         self._trapped = True
@@ -182,7 +191,7 @@ class Machine:
 
     def _link(self, wasm: bytes):
         """The exports of a side module (stcore/side.py), which shares this machine's memory, stack and functions."""
-        module = wasmtime.Module(engine(), wasm)
+        module = _side_module(wasm)
         imports = [self._exports[i.name] for i in module.imports]
         exports = wasmtime.Instance(self._store, module, imports).exports(self._store)
         exports["init"](self._store)

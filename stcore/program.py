@@ -34,8 +34,9 @@ TRACE_END = 92  # UDINT end of the buffer; a row that does not fit is not writte
 UNTIL = 96  # DINT, 1: table slot 0 holds the condition that ends a run
 STOP = 100  # DINT, probed builds: 0 run on, 1 stop at flagged sites, 2 at every statement that is not too deep
 DEPTH = 104  # DINT, probed builds: calls of POUs that are under way
+ALONE = 112  # DINT, the number (from 1) of the test that runs; 0 none
 STOP_DEPTH = 108  # DINT, probed builds: the depth up to which STOP = 2 stops
-TASK_RATIOS = 128  # DINT for each task: it runs when SCAN MOD ratio = 0; 0 switches it off
+TASK_RATIOS = 128  # DINT for each task: it runs when SCAN MOD ratio = 0
 NULL_PAGE = 1024
 SIDE_SIZE = 64 * 1024  # bytes below the stack for the constants of side modules
 
@@ -131,12 +132,16 @@ class Body:
 
 @dataclass(slots=True)
 class TaskSpec:
-    """A task of the configuration: programs in order, every `interval` ns, highest priority (lowest number) first."""
+    """A task of the configuration: programs in order, every `interval` ns, highest priority (lowest number) first.
+
+    test: it runs in every scan while the host has chosen it, and never else. Tests come after the other tasks.
+    """
 
     name: str
     programs: list[str]
     interval: int | None = None
     priority: int = 0
+    test: bool = False
 
 
 @dataclass(slots=True)
@@ -164,6 +169,11 @@ class Program:
     bodies: list[Body] = field(default_factory=list)  # of a probed build
     probed: list[int] = field(default_factory=list)  # sites at which a probed build can stop: statements
     probes: int = 0  # address of the sites' counts (4 bytes each) and flags (1 byte each); 0: not probed
+
+    @property
+    def timed(self) -> list[TaskSpec]:
+        """The tasks that are not tests."""
+        return [task for task in self.tasks if not task.test]
 
     @property
     def stack_top(self) -> int:

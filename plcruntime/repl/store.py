@@ -37,12 +37,11 @@ def save(plc: PLC, name: str) -> None:
     """Raises UsageError for a name that can't be, OSError."""
     file = _file(plc, name)
     taken = plc.snapshot()
-    active, bits = taken.forces
+    forces = {path: [[at, v.hex(), m.hex()] for at, v, m in pieces] for path, pieces in taken.forces.items()}
     head = {
         "scans": taken.scans,
         "now": taken.now,
-        "forces": {path: [[at, data.hex()] for at, data in pieces] for path, pieces in active.items()},
-        "bits": {path: list(bit) for path, bit in bits.items()},
+        "forces": forces,
     }
     body = json.dumps(head).encode() + b"\n" + zlib.compress(taken.image, 1)
     file.parent.mkdir(parents=True, exist_ok=True)
@@ -64,6 +63,6 @@ def load(plc: PLC, name: str) -> Snapshot:
         raise UsageError(f"the snapshot {name} is damaged ({file}); nothing was changed")
     line, _, packed = body.partition(b"\n")
     head = json.loads(line)
-    active = {p: tuple((at, bytes.fromhex(x)) for at, x in pieces) for p, pieces in head["forces"].items()}
-    bits = {p: tuple(bit) for p, bit in head["bits"].items()}
-    return Snapshot(plc.program, zlib.decompress(packed), head["scans"], head["now"], (active, bits))
+    unhex = bytes.fromhex
+    forces = {p: tuple((at, unhex(v), unhex(m)) for at, v, m in pieces) for p, pieces in head["forces"].items()}
+    return Snapshot(plc.program, zlib.decompress(packed), head["scans"], head["now"], forces)

@@ -11,7 +11,7 @@ from stcore.declare import align
 from stcore.emit.function import FunctionEmitter
 from stcore.emit.image import ImageBuilder, Late, encode_text
 from stcore.emit.values import store, wasm_type
-from stcore.program import NULL_PAGE, SIDE_SIZE, TASK_RATIOS, Body, External, Parameter, Routine, Site, TaskSpec
+from stcore.program import ALONE, NULL_PAGE, SIDE_SIZE, TASK_RATIOS, Body, External, Parameter, Routine, Site, TaskSpec
 from stcore.scope import Pou, Var
 from stcore.source import Source
 
@@ -110,7 +110,7 @@ class ModuleEmitter:
     def initial_value(self, var: Var) -> object:
         """The constant (or else the checked expression) that a variable starts with."""
         if var.init is not None:
-            node = check_init(self.project, var.init, var.type, var.library)
+            node = check_init(self.project, var.init, var.type)
             if not isinstance(node, s.ArrayInit | s.StructInit):
                 return node.const if node.const is not None else node
         data, _ = self.images.of_type(var.type)
@@ -190,10 +190,13 @@ class ModuleEmitter:
                 self.need(pou)
                 calls.append(f"(call {pou.symbol})")
             text = " ".join(calls)
-            if len(tasks) > 1:
+            if task.test:
+                first = next(k for k, x in enumerate(tasks) if x.test)
+                text = f"(if (i32.eq (i32.load (i32.const {ALONE})) (i32.const {i - first + 1})) (then {text}))"
+            elif len(tasks) > 1:
                 ratio = f"(i64.extend_i32_u (i32.load (i32.const {TASK_RATIOS + 4 * i})))"
                 due = f"(i64.eqz (i64.rem_u (i64.load (i32.const 24)) {ratio}))"
-                text = f"(if (i32.load (i32.const {TASK_RATIOS + 4 * i})) (then (if {due} (then {text}))))"
+                text = f"(if {due} (then {text}))"
             lines.append(text)
         for pou in hooks:
             self.need(pou)

@@ -1,0 +1,119 @@
+"""``scancycle test``: the ST tests of files and folders, without pytest's start-up."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+import time
+from pathlib import Path
+
+from plcruntime import st_tests
+from plcruntime.cli import DONE, FAILED, USAGE
+from plcruntime.errors import UsageError
+from plcruntime.st_tests import Result, Test, TestFile
+from stcore.diagnostics import CompileError
+from stcore.source import read
+
+LOOK = 0.3  # s between two looks at the files, with --watch
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    chosen = Selection(arguments.k)
+    if arguments.junit:
+        _check_output(Path(arguments.junit))
+    if not arguments.watch:
+        return _once(arguments, chosen)
+    stamps: dict[Path, int] = {}
+    while True:
+        now = _stamps(arguments.paths)
+        if now != stamps:
+            stamps = now
+            _once(arguments, chosen)
+            print("watching; Ctrl-C ends", flush=True)
+        time.sleep(LOOK)
+
+
+def _stamps(paths: list[str]) -> dict[Path, int]:
+    """Every ST file of the folders concerned, with its time: a test may fail because of another file."""
+    folders = {p.parent for p in st_tests.find(paths)} | {Path(p) for p in paths or ["."] if Path(p).is_dir()}
+    files = {f for folder in folders for f in folder.rglob("*.st")}
+    return {f: f.stat().st_mtime_ns for f in sorted(files) if f.exists()}
+
+
+def _check_output(path: Path) -> None:
+    if not path.parent.is_dir():
+        raise UsageError(f"--junit {path}: there is no folder {path.parent}")
+
+
+class Selection:
+    """-k as pytest has it: parts of names with and, or, not and parentheses. Raises UsageError."""
+
+    def __init__(self, expression: str | None) -> None:
+        self._code = None
+        if not expression:
+            return
+        words = re.findall(r"[()]|[^\s()]+", expression)
+        parts = [w if w in ("and", "or", "not", "(", ")") else f"has({w!r})" for w in words]
+        try:
+            self._code = compile(" ".join(parts), "-k", "eval")
+        except SyntaxError:
+            raise UsageError(f"-k {expression}: write parts of names with and, or, not") from None
+
+    def __contains__(self, test: Test) -> bool:
+        name = test.id.lower()
+        return self._code is None or eval(self._code, {"__builtins__": {}, "has": lambda w: w.lower() in name})
+
+
+def _once(arguments: argparse.Namespace, chosen: Selection) -> int:
+    began = time.perf_counter()
+    results: list[Result] = []
+    broken: list[tuple[Path, str]] = []
+    for path in st_tests.find(arguments.paths):
+        if not _file(path, chosen, arguments, results, broken):
+            break
+    for result in results:
+        if not result.passed:
+            print(f"\n{st_tests.report(result)}")
+    for path, text in broken:
+        print(f"\n{path}: can't be compiled\n{text}")
+    failed = sum(not r.passed for r in results)
+    counts = [f"{failed} failed"] if failed else []
+    counts += [f"{len(broken)} files with errors"] if broken else []
+    counts += [f"{len(results) - failed} passed"]
+    print(f"\n{', '.join(counts)} in {time.perf_counter() - began:.2f} s", flush=True)
+    if arguments.junit:
+        from plcruntime import junit
+
+        junit.write(Path(arguments.junit), results, broken)
+    if not results and not broken:
+        print("no test found: a test is a PROGRAM or FUNCTION with {attribute 'test'}, by default in test_*.st files")
+        return USAGE
+    return FAILED if failed or broken else DONE
+
+
+def _file(path: Path, chosen: Selection, arguments, results: list[Result], broken: list) -> bool:
+    """The tests of one file; False when no other shall follow."""
+    if "'test'" not in read(path).text.lower():
+        return True
+    try:
+        file = TestFile(path)
+    except CompileError as error:
+        broken.append((path, str(error)))
+        return not arguments.x
+    except OSError as error:
+        broken.append((path, error.strerror or str(error)))
+        return not arguments.x
+    tests = [t for t in file.tests if t in chosen]
+    if tests:
+        print(f"{path} ", end="")
+    for test in tests:
+        result = file.run(test)
+        results.append(result)
+        print("." if result.passed else "F", end="", flush=sys.stdout.isatty())
+        if arguments.x and not result.passed:
+            print()
+            return False
+    if tests:
+        print()
+    return True
