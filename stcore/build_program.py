@@ -10,6 +10,7 @@ from pathlib import Path
 from stcore import syntax as s
 from stcore import types as t
 from stcore.check import CheckedProject
+from stcore.check.initial import check_init
 from stcore.diagnostics import CompileError, Diagnostic, Reporter
 from stcore.emit import ModuleEmitter
 from stcore.machine import assemble
@@ -37,7 +38,7 @@ def uncollected(function: Callable) -> Callable:
 
 @uncollected
 def check_only(sources: list[Source], libraries: Sequence[Path], strict: bool) -> list[Diagnostic]:
-    project, reporter, _ = _checked(sources, libraries, strict)
+    project, reporter, _ = _checked(sources, libraries, strict, own_only=True)
     return reporter.sorted()
 
 
@@ -72,11 +73,12 @@ def build(
     return program, used + sorted(folders)
 
 
-def _checked(sources: list[Source], libraries: Sequence[Path], strict: bool):
-    """Read and check everything that the user wrote, and what it needs."""
+def _checked(sources: list[Source], libraries: Sequence[Path], strict: bool, *, own_only: bool = False):
+    """Read and check everything that the user wrote, and what it needs; own_only: not the bodies of the library."""
     reporter = Reporter(strict)
     folders = list(dict.fromkeys(Path(x.path).parent for x in sources if Path(x.path).is_file()))
     project = CheckedProject(reporter, list(libraries), folders)
+    project.own_only = own_only
     trees = [project.add_file(source) for source in sources]
     pous = []
     for source, tree in zip(sources, trees, strict=True):
@@ -96,14 +98,10 @@ def _checked(sources: list[Source], libraries: Sequence[Path], strict: bool):
     for var in project.globals:
         project.direct(var)
         if var.init is not None:
-            from stcore.check.initial import check_init
-
-            check_init(project, var.init, var.type, var.library)
+            check_init(project, var.init, var.type)
         project.reach_type(var.type)
     for field, init in list(project.field_inits.items()):
-        from stcore.check.initial import check_init
-
-        check_init(project, init, field.type, False)
+        check_init(project, init, field.type)
     project.check_reached()
     return project, reporter, pous
 

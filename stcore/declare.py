@@ -48,7 +48,7 @@ class Declarer:
     # ------------------------------------------------------------------------------------------- types
 
     def type(self, node: s.Node, name: str = "", pou: Pou | None = None) -> t.Type:
-        """The type that a type node means; DINT after an error was reported."""
+        """The type that a type node means; ERROR, which goes with everything, after an error was reported."""
         match node:
             case s.NamedType():
                 return self.named(node, pou)
@@ -90,7 +90,7 @@ class Declarer:
         else:
             known = [n for n in t.ELEMENTARY if not n.startswith("ANY")] + self.project.known_names(self.library)
             self.error("E0202", node, name=node.name, near=near(node.name, known))
-        return t.DINT
+        return t.ERROR
 
     def _pointee(self, node: s.Node, pou: Pou | None) -> t.Type:
         """A pointer may lead to a type that is still being declared: a list's next element."""
@@ -177,10 +177,10 @@ class Declarer:
     def initial(self, decl: s.VarDecl, pou: Pou | None) -> Init | None:
         """What a declaration says of the initial value: its own, or its type's."""
         if decl.init is not None:
-            return Init(decl.init, self.source, pou)
+            return Init(decl.init, self.source, pou, self.library)
         if isinstance(decl.type, s.NamedType):
             if decl.type.args:
-                return Init(s.StructInit(decl.type.start, decl.type.end, decl.type.args), self.source, pou)
+                return Init(s.StructInit(decl.type.start, decl.type.end, decl.type.args), self.source, pou, self.library)
             return self.project.type_inits.get(key(decl.type.name))
         return None
 

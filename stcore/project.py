@@ -203,7 +203,7 @@ class Project:
         tree = entry.tree
         made = Declarer(self, entry.source, entry.library).type(tree.type, tree.name)
         if tree.init is not None:
-            self.type_inits[key(tree.name)] = Init(tree.init, entry.source)
+            self.type_inits[key(tree.name)] = Init(tree.init, entry.source, None, entry.library)
         elif isinstance(tree.type, s.NamedType) and key(tree.type.name) in self.type_inits:
             self.type_inits[key(tree.name)] = self.type_inits[key(tree.type.name)]
         self.named_types[key(tree.name)] = made

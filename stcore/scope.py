@@ -51,6 +51,7 @@ class Init:
     node: s.Node
     source: Source
     pou: Pou | None = None
+    library: bool = False  # its names are those of the library
     value: object = None  # the checked expression
     checked: bool = False
 

@@ -14,3 +14,7 @@ def manuals() -> Path:
     if not folder.is_dir():
         pytest.skip("the manuals (../shared/manuals) are not on this machine")
     return folder
+
+
+def pytest_addoption(parser):
+    parser.addoption("--all-typos", action="store_true", help="every change of tests/stcore/test_typos.py")

@@ -34,6 +34,7 @@ class CheckedProject(Project):
         self.is_builtin = builtins.is_builtin
         self.reached: dict[Pou, None] = {}
         self.queue: list[Pou] = []
+        self.own_only = False  # leave the bodies of the library unchecked: only diagnostics are wanted
         self.library_globals: set[Var] = set()
         self.instances: dict[tuple, Pou] = {}
         self.areas = {"I": 0, "Q": 0, "M": 0}  # bytes in use
@@ -56,7 +57,7 @@ class CheckedProject(Project):
                 self._check(self.queue.pop())
 
     def _check(self, pou: Pou) -> None:
-        if pou.checked:
+        if pou.checked or pou.library and self.own_only:
             return
         pou.checked = True
         checker = Checker(self, pou.source, pou, pou.library)

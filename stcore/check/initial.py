@@ -16,7 +16,7 @@ class Initials(Conversions):
         """Of every variable of the POU, and of the fields of the types they have."""
         for var in self.pou.variables.values():
             if var.owner is self.pou and var.init is not None:
-                check_init(self.project, var.init, var.type, var.library)
+                check_init(self.project, var.init, var.type)
 
     def initial(self, node: s.Node, kind: t.Type) -> s.Node:
         """An initial value for a variable of `kind`: an expression, ArrayInit or StructInit."""
@@ -84,13 +84,13 @@ class Initials(Conversions):
         return made
 
 
-def check_init(project, init: Init, kind: t.Type, library: bool) -> s.Node:
+def check_init(project, init: Init, kind: t.Type) -> s.Node:
     """The checked initial value, checked once however many instances use it."""
     if not init.checked:
         from stcore.check import Checker  # the checker is built on this module
 
         init.checked = True
-        checker = Checker(project, init.source, init.pou, library)
+        checker = Checker(project, init.source, init.pou, init.library)
         init.value = checker.initial(init.node, kind)
     return init.value
 

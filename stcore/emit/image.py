@@ -90,7 +90,7 @@ class ImageBuilder:
         init = self.project.field_inits.get(field)
         if init is None:
             return self.of_type(field.type)
-        node = check_init(self.project, init, field.type, False)
+        node = check_init(self.project, init, field.type)
         data, late = self.value(node, field.type, init)
         for x in late:
             if x.pou is init.pou and x.pou is not None:
@@ -100,7 +100,7 @@ class ImageBuilder:
     def of_variable(self, var: Var) -> tuple[bytes, list[Late]]:
         if var.init is None:
             return self.of_type(var.type)
-        return self.value(check_init(self.project, var.init, var.type, var.library), var.type, var.init)
+        return self.value(check_init(self.project, var.init, var.type), var.type, var.init)
 
     def value(self, node: s.Node, kind: t.Type, init) -> tuple[bytes, list[Late]]:
         """A checked initial value as bytes."""

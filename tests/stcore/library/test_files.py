@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import stcore
-from stcore.compiler import diagnose
+from stcore.compiler import compile
 from stcore.source import Source
 
 FOLDER = Path(stcore.__file__).parent / "library"
@@ -40,7 +40,7 @@ def test_all_blocks_check():
     blocks = [f.stem for f in FILES if re.search(r"^FUNCTION_BLOCK", f.read_text(encoding="utf-8"), re.M)]
     declared = "".join(f"  b{i} : {name};\n" for i, name in enumerate(blocks))
     text = f"PROGRAM PLC_PRG\nVAR\n{declared}END_VAR\nEND_PROGRAM\n"
-    assert diagnose([Source(text, "all.st")]) == []
+    assert compile([Source(text, "all.st")]).diagnostics == []
 
 
 def test_all_functions_check():
@@ -67,4 +67,4 @@ def test_all_functions_check():
             calls.append(call + ";")
     lines = ["PROGRAM PLC_PRG", "VAR", *declared, "END_VAR", *calls, "END_PROGRAM"]
     assert len(calls) > 150
-    assert [str(d) for d in diagnose([Source("\n".join(lines), "all.st")])] == []
+    assert [str(d) for d in compile([Source("\n".join(lines), "all.st")]).diagnostics] == []
