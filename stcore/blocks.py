@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from stcore.lexer import KIND, NAME, TERMINALS
+from stcore.lexer import KIND, NAME, TERMINALS, Tokens
 from stcore.words import CLOSER_OF, CLOSERS, CLOSING, UNIT_STARTERS, distance, opener_of, text_for
 
 if TYPE_CHECKING:
@@ -84,9 +84,12 @@ def _closers(r: Repairs, at: int, blocks: list[tuple[int, int]]) -> list[int]:
 def _close(r: Repairs, at: int, blocks: list[tuple[int, int]], closers: list[int]) -> int:
     """Put the missing ends in, and say for each block that it has none."""
     tokens = r.tokens
-    opener = _unclosed(r, at, blocks[-1][1])
-    if tokens.kinds[opener - 1 : opener + 1] == [_ELSE, _IF] and not tokens.starts_line(opener):
-        return _else_if(r, opener - 1)
+    entry, opener = blocks[-1]
+    if (token := _else_if(r, opener, at)) is not None:
+        r.report("E0125", token, token + 2)
+        tokens.replace(token, token + 2, _ELSIF, "ELSIF")
+        r.cut(entry)
+        return opener
     for _, opener in reversed(blocks[len(blocks) - sum(c != _UNTIL and c != KIND["BOOLEAN"] for c in closers) :]):
         _tell_unclosed(r, at, opener)
     for closer in reversed(closers):
@@ -115,25 +118,42 @@ def _unclosed(r: Repairs, at: int, opener: int) -> int:
     inside: list[tuple[int, int]] = []
     for token in range(opener, at):
         if kinds[token] in CLOSER_OF:
-            column = tokens.source.position(tokens.starts[token])[1] if tokens.starts_line(token) else 0
+            column = _column(tokens, token) if tokens.starts_line(token) else 0
             inside.append((token, column))
         elif inside and kinds[token] == CLOSER_OF[kinds[inside[-1][0]]]:
             block, column = inside.pop()
             if column and kinds[block] == kind and tokens.starts_line(token):
-                if tokens.source.position(tokens.starts[token])[1] < column:
+                if _column(tokens, token) < column:
                     return block
     return opener
 
 
-def _else_if(r: Repairs, token: int) -> int:
-    """ELSE IF where ELSIF was meant: read on from there as ELSIF."""
-    r.report("E0125", token, token + 2)
-    depth = r.depth_of(token)
-    if depth is None:  # it lies in a block that is complete; then only its end can be put in
-        return -1
-    r.tokens.replace(token, token + 2, _ELSIF, "ELSIF")
-    r.cut(depth)
-    return token
+def _else_if(r: Repairs, opener: int, at: int) -> int | None:
+    """The ELSE of an ELSE IF, in the IF that lacks its end, that ELSIF was meant by: one END_IF ends both."""
+    tokens, kinds = r.tokens, r.tokens.kinds
+    end_if = KIND["END_IF"]
+    if kinds[opener] != _IF:
+        return None
+    inside: list[int] = []
+    for token in range(opener, at):
+        if kinds[token] == _IF:
+            inside.append(token)
+        elif kinds[token] == end_if and inside:
+            nested = inside.pop()
+            if len(inside) == 1 and _is_else_if(tokens, nested):
+                apart = tokens.starts_line(token) and _column(tokens, token) > _column(tokens, opener)
+                if not apart:
+                    return nested - 1
+    nested = inside[-1] if len(inside) > 1 else opener
+    return nested - 1 if nested > opener and _is_else_if(tokens, nested) else None
+
+
+def _is_else_if(tokens: Tokens, token: int) -> bool:
+    return tokens.kinds[token - 1] == _ELSE and not tokens.starts_line(token)
+
+
+def _column(tokens: Tokens, token: int) -> int:
+    return tokens.source.position(tokens.starts[token])[1]
 
 
 def _misspelt_end(r: Repairs, at: int, block: tuple[int, int]) -> int | None:

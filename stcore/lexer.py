@@ -292,6 +292,7 @@ _OBJECTS = ("METHOD", "INTERFACE", "PROPERTY")
 def resolve(tokens: Tokens, reporter: Reporter) -> None:
     """Decide what the words are that are keywords only between certain neighbours; drop rule lines and placeholders."""
     kinds, texts = tokens.kinds, tokens.texts
+    _drop_objects(tokens, reporter)
     special = [i for i, kind in enumerate(kinds) if kind >= SOFT]
     for i in reversed(special):  # from the end, so that what is taken out moves nothing that is still to come
         kind = kinds[i]
@@ -299,9 +300,7 @@ def resolve(tokens: Tokens, reporter: Reporter) -> None:
             _drop_rule(tokens, i, reporter)
         elif kind == SOFT:
             word = texts[i].upper()
-            if word in _OBJECTS:
-                _object(tokens, i, word, reporter)
-            elif word in ("S", "R", "REF"):
+            if word in ("S", "R", "REF"):
                 _set_operator(tokens, i)
             elif word in _MODIFIERS:
                 if kinds[i - 1] in _POUS or texts[i - 1].upper() in _MODIFIERS:
@@ -309,7 +308,7 @@ def resolve(tokens: Tokens, reporter: Reporter) -> None:
                 else:
                     kinds[i] = NAME
             else:
-                kinds[i] = KIND[word] if _is_keyword(tokens, i, word) else NAME
+                kinds[i] = KIND[word] if word not in _OBJECTS and _is_keyword(tokens, i, word) else NAME
     for i in reversed([i for i, kind in enumerate(kinds) if kind == KIND["OBJECT"]]):
         reporter.add("E0104", tokens.source, tokens.starts[i], tokens.ends[i], closer=texts[i], opener=texts[i][4:])
         tokens.delete(i, i + 1)
@@ -356,15 +355,19 @@ def _drop_rule(tokens: Tokens, i: int, reporter: Reporter) -> None:
     tokens.delete(i, i + 1)
 
 
-def _object(tokens: Tokens, i: int, word: str, reporter: Reporter) -> None:
+def _drop_objects(tokens: Tokens, reporter: Reporter) -> None:
     """METHOD, INTERFACE, PROPERTY: said once, then skipped whole."""
-    kinds = tokens.kinds
-    if kinds[i + 1] != NAME:
-        kinds[i] = NAME
-        return
+    kinds, texts = tokens.kinds, tokens.texts
     stops = (KIND["END_FUNCTION_BLOCK"], KIND["END_PROGRAM"], 0)
-    last = i + 1
-    while kinds[last] not in stops and not (kinds[last] == KIND["OBJECT"] and tokens.texts[last].upper()[4:] == word):
-        last += 1
-    reporter.add("E0114", tokens.source, tokens.starts[i], tokens.ends[i], what=word)
-    tokens.delete(i, last + (kinds[last] == KIND["OBJECT"]))
+    ends = KIND["OBJECT"]
+    i = 0
+    while i < len(kinds):
+        word = texts[i].upper() if kinds[i] == SOFT else ""
+        if word not in _OBJECTS or kinds[i + 1] not in (NAME, SOFT):
+            i += 1
+            continue
+        last = i + 1
+        while kinds[last] not in stops and not (kinds[last] == ends and texts[last].upper() == f"END_{word}"):
+            last += 1
+        reporter.add("E0114", tokens.source, tokens.starts[i], tokens.ends[i], what=word)
+        tokens.delete(i, last + (kinds[last] == ends))

@@ -19,7 +19,7 @@ from stcore.words import CLOSER_OF, CLOSING, UNIT_STARTERS, near_keywords
 if TYPE_CHECKING:
     from stcore.repair import Repairs
 
-_SEMI, _COLON, _COMMA, _LPAR, _RPAR = (KIND[n] for n in ("SEMI", "COLON", "COMMA", "LPAR", "RPAR"))
+_SEMI, _COLON, _COMMA, _DOT, _LPAR = (KIND[n] for n in ("SEMI", "COLON", "COMMA", "DOT", "LPAR"))
 _ASSIGN, _ARROW, _EQ, _AT, _VAR = (KIND[n] for n in ("ASSIGN", "ARROW", "EQ", "AT", "VAR"))
 _STATEMENT_STARTERS = frozenset(
     KIND[n] for n in ("NAME", "ADDRESS", "VAR", "IF", "CASE", "FOR", "WHILE", "REPEAT", "RETURN", "EXIT", "JMP")
@@ -86,17 +86,18 @@ def colon_for_assign(r: Repairs, at: int) -> int | None:
 
 
 def lost_comma(r: Repairs, at: int) -> int | None:
-    """`Axis:=` at the end of a line, `PersistentData:= ,` on the next."""
+    """`Axis:=` or `Axis:= a` at the end of a line, `PersistentData:= ,` on the next."""
     tokens, kinds = r.tokens, r.tokens.kinds
-    if at < 3 or kinds[at] not in (_ASSIGN, _ARROW) or kinds[at - 1] != NAME or not tokens.starts_line(at - 1):
+    name = at if kinds[at] == NAME else at - 1  # an empty argument took the next one's name for its value
+    if name < 2 or kinds[name] != NAME or kinds[name + 1] not in (_ASSIGN, _ARROW) or not tokens.starts_line(name):
         return None
-    depth = r.depth_of(at - 1)
-    if depth is None or r.reads(depth, (_COMMA,), at - 1, at + 1) < at + 1:
+    depth = len(r.machine.values) if name == at else r.depth_of(name)
+    if depth is None or r.reads(depth, (_COMMA,), name, name + 2) < name + 2:
         return None
-    r.report_gap("W0114", at - 1)
-    tokens.insert(at - 1, _COMMA, ",")
+    r.report_gap("W0114", name)
+    tokens.insert(name, _COMMA, ",")
     r.cut(depth)
-    return at - 1
+    return name
 
 
 def blank_in_name(r: Repairs, at: int) -> int | None:
@@ -173,8 +174,8 @@ def _declarations_end(tokens: Tokens, at: int) -> int:
     kinds = tokens.kinds
     while True:
         token = at
-        while kinds[token] == NAME and kinds[token + 1] == _COMMA:
-            token += 2
+        while kinds[token] == NAME and kinds[token + 1] in (_COMMA, _DOT):
+            token += 2  # a dot is wrong there, but still no statement
         if kinds[token] != NAME:
             return at
         token += 3 if kinds[token + 1] == _AT else 1

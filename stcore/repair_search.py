@@ -23,7 +23,7 @@ _REST = 8_000  # tokens in which the other half of a block is looked for
 # what putting a token in costs; the likelier a slip, the cheaper
 _INSERT = {
     "THEN": 0.8, "DO": 0.8, "OF": 0.8, "TO": 0.8, "SEMI": 1.2, "RPAR": 1.0, "RBRACKET": 1.0, "COLON": 1.2,
-    "ASSIGN": 1.2, "UNTIL": 1.4, "LPAR": 1.3, "LBRACKET": 1.3, "COMMA": 1.15, "NUMBER": 1.6, "NAME": 1.7,
+    "ASSIGN": 1.2, "UNTIL": 1.4, "LPAR": 1.5, "LBRACKET": 1.5, "COMMA": 1.15, "NUMBER": 1.6, "NAME": 1.7,
     "BINOP": 1.8, "DOTDOT": 1.4, "ARRAY": 1.4, "DOT": 2.0, "ELSIF": 2.2, "ELSE": 2.2, "POINTER": 2.0, "BY": 2.0,
     "ON": 1.5, "TASK": 1.8,
     # the beginnings of blocks, only where an end waits for one
@@ -41,6 +41,7 @@ _SIGNS = frozenset(
         "LPAR", "RPAR", "LBRACKET", "RBRACKET",
     )
 )  # fmt: skip
+_DELETE = dict.fromkeys(_SIGNS, 1.8) | {KIND["RPAR"]: 1.4, KIND["RBRACKET"]: 1.4}
 _LINKS = frozenset(KIND[n] for n in ("THEN", "DO", "OF", "TO", "BY"))
 _WORD_KINDS = frozenset(WORDS.values())
 _POU_ENDS = [KIND[n] for n in ("END_PROGRAM", "END_FUNCTION", "END_FUNCTION_BLOCK", "$END")]
@@ -126,7 +127,7 @@ class Search:
         if far or kind == 0:
             return
         again = token and kinds[token - 1] == kind and tokens.texts[token - 1].upper() == tokens.texts[token].upper()
-        yield scored("delete", (), token + 1, 0.3 if again else 1.8 if kind in _SIGNS else 1.9)
+        yield scored("delete", (), token + 1, 0.3 if again else _DELETE.get(kind, 1.9))
         if kind == NAME:
             for keyword, away in near_keywords(tokens.texts[token])[:6]:
                 wanted = keyword_kind(keyword)
