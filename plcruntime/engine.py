@@ -14,9 +14,9 @@ from math import gcd
 from plcruntime import kept
 from plcruntime.forces import Forces, Piece
 from plcruntime.guard import Guard
+from plcruntime.recorder import Recorder
 from plcruntime.snapshot import History, Snapshot, put_back, take
 from plcruntime.stimuli import Schedule
-from plcruntime.trace import Recorder
 from stcore.faults import Fault
 from stcore.program import ALONE, INTERRUPT, INTERVAL, NOW, NULL_PAGE, SCAN, TASK_RATIOS, Program
 
@@ -45,7 +45,8 @@ class Engine:
         self.run_s = 0.0
         self._chunk = 16
         self._busy = False
-        self._until = False
+        self._until = None
+        self._waiting: list = []  # traces whose trigger the module looks at
         self._begin()
 
     # ---------------------------------------------------------------------------------------------- state
@@ -107,14 +108,14 @@ class Engine:
             raise RuntimeError("the PLC is running: a function called between scans can't run it")
         goal = self.scans + count
         self._busy = True
-        self._until = until is not None
-        self.machine.set_until(until)
+        self._until = until
+        self._set_conditions()
         try:
             with self.guard.run():
                 return self._loop(goal, test, _Clock(self.interval) if realtime else None)
         finally:
-            self._until = False
-            self.machine.set_until(None)
+            self._until = None
+            self.machine.set_until()
             self.recorder.drain(self.scans)
             self._busy = False
 
@@ -178,7 +179,22 @@ class Engine:
         if step >= self._chunk:
             # towards CALL_SECONDS, at most eightfold at a time: the first scans are not like the others
             self._chunk = max(1, min(self._chunk * 8, int(step * CALL_SECONDS / max(seconds, 1e-7))))
-        return self._until and self.machine.until_holds()
+        return self._look_at_conditions()
+
+    def _set_conditions(self) -> None:
+        """Have the module look at what may end the run, and at the triggers of traces."""
+        self._waiting = self.recorder.waiting
+        self.machine.set_until(*(t.trigger.module for t in self._waiting), self._until)
+
+    def _look_at_conditions(self) -> bool:
+        """Note the triggers that have fired; whether the condition of the run holds."""
+        fired = [t for slot, t in enumerate(self._waiting) if self.machine.until_holds(slot)]
+        reached = self._until is not None and self.machine.until_holds(len(self._waiting))
+        if fired:
+            for trace in fired:
+                trace.trigger.scan = self.scans - 1
+            self._set_conditions()
+        return reached
 
     def choose_test(self, number: int) -> None:
         """Run that test of the program in every scan, 0 for none; until the next restart."""

@@ -32,11 +32,15 @@ from stcore.program import Program
 
 if TYPE_CHECKING:
     from plcruntime.retain import RetainFile
+    from plcruntime.trace import Trace
+    from plcruntime.trigger import Trigger
     from plcruntime.typed import Typed
 
 INTERVAL = 1_000_000  # ns, of a scan where nothing says otherwise
 WATCHDOG = 2.0  # s of wall clock for one scan
-MAX_COLUMNS = 5000  # that one path of a trace may open into
+MAX_COLUMNS = 5000  # of a trace
+MAX_ELEMENTS = 1000  # of an array in a trace of every variable
+FOREVER = 1 << 62  # scans
 Time = str | float | int  # '500ms', 'T#1s', '#120' (scans), or a number of seconds
 
 
@@ -92,8 +96,8 @@ class PLC:
         source: a file, a folder, a plc.toml, the text of a program, or a list of files. interval: of a scan ('1ms').
         config: a plc.toml beside the source. strict: a mended misprint is an error. retain: the retain file, else that
         of the plc.toml, else none.
-        Raises stcore.CompileError with .diagnostics (a file that can't be read too), UsageError (a wrong plc.toml, a retain
-        file that can't be used).
+        Raises stcore.CompileError with .diagnostics (a file that can't be read too), UsageError (a wrong plc.toml, a
+        retain file that can't be used).
         """
         program, project = build(source, config, strict=strict)
         plc = cls(program, interval=interval, project=project, watchdog=watchdog, retain=retain)
@@ -116,7 +120,9 @@ class PLC:
         return self.typed.run(text).value
 
     def execute(self, text: str) -> None:
-        """Run ST statements now, between two scans: ``plc.execute("n := 5; timer(IN := TRUE);")``. Raises as evaluate."""
+        """Run ST statements now, between two scans: ``plc.execute("n := 5; timer(IN := TRUE);")``.
+
+        Raises as `evaluate` does."""
         self.typed.run(text)
 
     @property
@@ -308,23 +314,39 @@ class PLC:
         """The paths that are forced."""
         return list(self._engine.forces.active)
 
-    def trace(self, *names: str):
+    def trace(self, *names: str, trigger: str | None = None, pre: Time = 0, post: Time | None = None) -> Trace:
         """Record variables at the end of every scan from now on; arrays and structures become a column an element.
 
-        Without names: every scalar variable of the user. Gives a plcruntime.trace.Trace. Raises PathError.
+        Without names: every scalar variable of the user; "*": every variable, members of instances and elements of
+        arrays of up to MAX_ELEMENTS too. trigger: an ST condition; only the scans from `pre` before to `post` after the
+        scan in which it first holds are kept (times as in `run`; post None: all that follow).
+        Raises PathError, ValueError for more than MAX_COLUMNS, stcore.CompileError and UsageError for the trigger.
         """
         from plcruntime.trace import Trace
 
-        if names:
+        left_out = []
+        if names == ("*",):
+            small, left_out = paths.small_places(self.program, MAX_ELEMENTS)
+            places = [leaf for place in small for leaf in paths.leaves(place)]
+        elif names:
             places = [leaf for name in names for leaf in paths.leaves(self.place(name))]
         else:
             places = [p for p in paths.user_places(self.program) if paths.is_scalar(p)]
         if len(places) > MAX_COLUMNS:
             raise ValueError(f"{len(places)} columns are too many for a trace; name some of them")
+        waits = self._trigger(trigger, pre, post) if trigger is not None else None
         unique = {p.name: p for p in places}
-        trace = Trace(list(unique.values()), self._engine.interval)
+        trace = Trace(list(unique.values()), self._engine.interval, waits)
+        trace.left_out = left_out
         self._engine.recorder.add(trace, self.scans)
         return trace
+
+    def _trigger(self, text: str, pre: Time, post: Time | None) -> Trigger:
+        from plcruntime.trigger import compile_trigger
+
+        others = [t.trigger for t in self._engine.recorder.waiting]
+        after = FOREVER if post is None else self._count(post)
+        return compile_trigger(self.program, text, self._count(pre), after, others)
 
     def stop_trace(self, trace) -> None:
         """Stop recording; the rows stay."""

@@ -6,41 +6,43 @@ import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from plcruntime.trigger import Trigger
 from stcore.paths import PathError, Place
-from stcore.program import TRACE, TRACE_NEXT
 from stcore.types import Elementary, Pointer, base_of
 from stcore.values import FORMATS, PER_SECOND, decode
-
-BUFFER = 1 << 20  # bytes of rows between two looks of the host
 
 
 @dataclass(slots=True)
 class Segment:
-    """Rows of successive scans. data: whole rows of the recorder, of which this trace's part begins at offset."""
+    """Rows of successive scans, the first at byte `start` of data. offsets: of each column of the trace in a row."""
 
     first_scan: int
     rows: int
     row_size: int
-    offset: int
+    start: int
+    offsets: tuple[int, ...]
     data: bytes
+
+    def part(self, skip: int, rows: int) -> Segment:
+        """Some of the rows."""
+        start = self.start + skip * self.row_size
+        return Segment(self.first_scan + skip, rows, self.row_size, start, self.offsets, self.data)
 
 
 class Trace:
     """Recorded variables; grows while the PLC runs. ``trace["PLC_PRG.x"]`` is a numpy array with one value a scan.
 
     time: seconds of virtual time that each scan saw. BOOL is bool, TIME and dates are seconds, an ENUM its number.
+    trigger: what it waits for, None for a trace that keeps every scan. left_out: arrays too large for a trace of all.
     """
 
-    def __init__(self, places: Sequence[Place], interval: int) -> None:
+    def __init__(self, places: Sequence[Place], interval: int, trigger: Trigger | None = None) -> None:
         self.places = list(places)
         self.interval = interval  # ns
+        self.trigger = trigger
+        self.left_out: list[str] = []
         self.segments: list[Segment] = []
-        self._offsets: dict[str, tuple[int, Place]] = {}
-        at = 0
-        for place in self.places:
-            self._offsets[place.name.upper()] = (at, place)
-            at += place.size
-        self.row_size = at
+        self._columns = {place.name.upper(): i for i, place in enumerate(self.places)}
 
     @property
     def names(self) -> list[str]:
@@ -62,12 +64,13 @@ class Trace:
         """The column of a path, or of the end of one (``x`` for ``PLC_PRG.x``). Raises PathError."""
         import numpy as np
 
-        offset, place = self._find(path)
+        i = self._find(path)
+        place = self.places[i]
         code = _code(place)
         text = "s" in code
         dtype = np.dtype(f"V{place.size}" if text else "<" + code)
         parts = [
-            np.ndarray((s.rows,), dtype, s.data, s.offset + offset, (s.row_size,)) for s in self.segments if s.rows
+            np.ndarray((s.rows,), dtype, s.data, s.start + s.offsets[i], (s.row_size,)) for s in self.segments if s.rows
         ]
         column = _joined(np, parts, dtype)
         if text:
@@ -77,11 +80,11 @@ class Trace:
         scale = _scale(place)
         return column / scale if scale else column
 
-    def _find(self, path: str) -> tuple[int, Place]:
+    def _find(self, path: str) -> int:
         wanted = path.upper().replace(" ", "")
-        if wanted in self._offsets:
-            return self._offsets[wanted]
-        ending = [entry for name, entry in self._offsets.items() if name.endswith("." + wanted)]
+        if wanted in self._columns:
+            return self._columns[wanted]
+        ending = [i for name, i in self._columns.items() if name.endswith("." + wanted)]
         if len(ending) == 1:
             return ending[0]
         what = "stands for several columns" if ending else "is not traced"
@@ -98,9 +101,7 @@ class Trace:
         for s in reversed(self.segments):
             take = min(count - len(kept), s.rows)
             if take > 0:
-                skipped = s.rows - take
-                offset = s.offset + skipped * s.row_size
-                kept.segments.insert(0, Segment(s.first_scan + skipped, take, s.row_size, offset, s.data))
+                kept.segments.insert(0, s.part(s.rows - take, take))
         return list(kept.rows())
 
     def compare(self, path, tolerance: float = 0.0, tolerances: dict | None = None) -> None:
@@ -113,23 +114,55 @@ class Trace:
 
     def rows(self) -> Iterator[tuple]:
         """(time in s, value, value ...) of every scan, without numpy."""
-        layout = struct.Struct("<" + "".join(_code(p) for p in self.places))
         shapes = [(i, p, _scale(p)) for i, p in enumerate(self.places)]
         odd = [(i, p, scale) for i, p, scale in shapes if scale or p.bit is not None or "s" in _code(p)]
+        row: list = [None] * len(self.places)
         for s in self.segments:
+            layers = _layers(self.places, s.offsets)
             for k in range(s.rows):
-                values = layout.unpack_from(s.data, s.offset + k * s.row_size)
-                if odd:
-                    values = list(values)
-                    for i, p, scale in odd:
-                        values[i] = _converted(values[i], p, scale)
-                yield ((s.first_scan + k) * self.interval / 1e9, *values)
+                at = s.start + k * s.row_size
+                for layout, columns in layers:
+                    for i, value in zip(columns, layout.unpack_from(s.data, at), strict=True):
+                        row[i] = value
+                for i, p, scale in odd:
+                    row[i] = _converted(row[i], p, scale)
+                yield ((s.first_scan + k) * self.interval / 1e9, *row)
 
     def forget_from(self, scan: int) -> None:
         """Drop the rows of a scan and of all after it: the PLC went back."""
         self.segments = [s for s in self.segments if s.first_scan < scan]
         for s in self.segments:
             s.rows = min(s.rows, scan - s.first_scan)
+        if self.trigger and self.trigger.scan is not None and self.trigger.scan >= scan:
+            self.trigger.scan = None
+
+    @property
+    def triggered(self) -> float | None:
+        """The virtual time in s of the scan that fired the trigger, None while it waits."""
+        waits = self.trigger is None or self.trigger.scan is None
+        return None if waits else self.trigger.scan * self.interval / 1e9
+
+    @property
+    def done(self) -> bool:
+        """Whether all the rows around the trigger are there; such a trace records no more."""
+        if self.trigger is None or self.trigger.scan is None or not self.segments:
+            return False
+        last = self.segments[-1]
+        return last.first_scan + last.rows > self.trigger.last
+
+    def trim(self) -> None:
+        """Drop the rows too far from the trigger; while it waits, those too old for it."""
+        if self.trigger is None or not self.segments:
+            return
+        last = self.segments[-1]
+        first, end = self.trigger.window(last.first_scan + last.rows)
+        kept = []
+        for s in self.segments:
+            skip = max(0, first - s.first_scan)
+            rows = min(s.rows, end - s.first_scan) - skip
+            if rows > 0:
+                kept.append(s.part(skip, rows))
+        self.segments = kept
 
     def to_csv(self, path) -> None:
         """Write a header (time, full paths) and a row for each scan; BOOL as 0 and 1. Raises OSError."""
@@ -165,109 +198,18 @@ class Trace:
     plot = to_html
 
 
-class Recorder:
-    """The table and the buffer in the memory through which the module records all traces of a PLC."""
-
-    def __init__(self, machine) -> None:
-        self._machine = machine
-        self._traces: list[Trace] = []
-        self._start = 0  # of the buffer
-        self._rows_that_fit = 0
-        self._row_size = 0
-        self._table = self._table_capacity = self._buffer_size = 0
-        self._zero = 0  # bytes that stand for a variable behind a NULL pointer
-
-    @property
-    def active(self) -> bool:
-        return bool(self._traces)
-
-    @property
-    def dynamic(self) -> bool:
-        """True when a column lies behind a pointer, which may change with every scan."""
-        return any(p.hops for t in self._traces for p in t.places)
-
-    @property
-    def room(self) -> int:
-        """Scans that may run before `drain`."""
-        end = int.from_bytes(self._machine.memory[TRACE_NEXT : TRACE_NEXT + 4], "little")
-        return self._rows_that_fit - (end - self._start) // self._row_size
-
-    def add(self, trace: Trace, scan: int) -> None:
-        self.drain(scan)
-        self._traces.append(trace)
-        self.arrange()
-
-    def remove(self, trace: Trace, scan: int) -> None:
-        self.drain(scan)
-        self._traces.remove(trace)
-        self.arrange()
-
-    def swap(self, traces: list[Trace]) -> list[Trace]:
-        """Record other traces from now on; gives those that were recorded until now."""
-        before, self._traces = self._traces, traces
-        self.arrange()
-        return before
-
-    def move_to(self, machine) -> None:
-        """Another machine runs the program from now on."""
-        self._machine = machine
-        self._table_capacity = self._buffer_size = self._zero = 0
-        self.arrange()
-
-    def forget_from(self, scan: int) -> None:
-        for trace in self._traces:
-            trace.forget_from(scan)
-
-    def pause(self) -> None:
-        """Record nothing until `arrange`."""
-        struct.pack_into("<I", self._machine.memory, TRACE + 4, 0)
-
-    def arrange(self) -> None:
-        """Write the table; to be called again after the memory was initialised."""
-        places = [p for t in self._traces for p in t.places]
-        self._row_size = sum(t.row_size for t in self._traces)
-        if len(places) > self._table_capacity:
-            self._table_capacity = 2 * len(places)
-            self._table = self._machine.allocate(8 * self._table_capacity)
-        needed = max(BUFFER, 16 * self._row_size) if places else 0
-        if needed > self._buffer_size:
-            self._start, self._buffer_size = self._machine.allocate(needed), needed
-        if self.dynamic and not self._zero:
-            self._zero = self._machine.allocate(max(p.size for p in places))
-        self._rows_that_fit = self._buffer_size // self._row_size if self._row_size else 0
-        self.follow_pointers()
-        self._rewind()
-
-    def follow_pointers(self) -> None:
-        """Write where every column lives now."""
-        memory = self._machine.memory
-        places = [p for t in self._traces for p in t.places]
-        for i, place in enumerate(places):
-            try:
-                address = place.locate(memory)
-            except PathError:  # not connected yet: recorded as 0
-                address = self._zero
-            struct.pack_into("<II", memory, self._table + 8 * i, address, place.size)
-        struct.pack_into("<II", memory, TRACE, self._table, len(places))
-
-    def drain(self, scan: int) -> None:
-        """Take the rows out of the buffer; `scan` scans are finished now."""
-        if not self._traces:
-            return
-        memory = self._machine.memory
-        end = int.from_bytes(memory[TRACE_NEXT : TRACE_NEXT + 4], "little")
-        data = bytes(memory[self._start : end])
-        rows = len(data) // self._row_size if self._row_size else 0
-        if rows:
-            offset = 0
-            for trace in self._traces:
-                trace.segments.append(Segment(scan - rows, rows, self._row_size, offset, data))
-                offset += trace.row_size
-        self._rewind()
-
-    def _rewind(self) -> None:
-        end = self._start + self._rows_that_fit * self._row_size
-        struct.pack_into("<II", self._machine.memory, TRACE_NEXT, self._start, end)
+def _layers(places: Sequence[Place], offsets: Sequence[int]) -> list[tuple[struct.Struct, list[int]]]:
+    """How to read a row: formats with the columns that they give. Columns that overlap (x and x.3) take several."""
+    layers: list[list] = []  # end, format, columns
+    for i in sorted(range(len(places)), key=offsets.__getitem__):
+        at, size = offsets[i], places[i].size
+        layer = next((x for x in layers if x[0] <= at), None)
+        if layer is None:
+            layers.append(layer := [0, "<", []])
+        layer[1] += f"{at - layer[0]}x{_code(places[i])}"
+        layer[2].append(i)
+        layer[0] = at + size
+    return [(struct.Struct(form), columns) for _, form, columns in layers]
 
 
 def _code(place: Place) -> str:

@@ -161,11 +161,14 @@ class Machine:
             self._trapped = True
             raise
 
-    def _fault(self, trap: wasmtime.Trap) -> Fault:
+    def _fault(self, trap: wasmtime.Trap, side=None) -> Fault:
         self._trapped = True
         # what the user typed runs in a module of its own: the program's part of the stack tells the place
         frames = [(f.func_index, f.module_offset) for f in trap.frames if f.module_name != SIDE]
-        return locate(self.program, self.memory, _TRAPS.get(trap.trap_code, ""), frames, str(self._host_error or ""))
+        where = self.program
+        if side is not None and not frames:
+            where, frames = side, [(f.func_index, f.module_offset) for f in trap.frames]
+        return locate(where, self.memory, _TRAPS.get(trap.trap_code, ""), frames, str(self._host_error or ""))
 
     def interrupt(self) -> None:
         """Stop a run that is under way, from another thread: it ends with fault F0108 or after the scan."""
@@ -174,18 +177,19 @@ class Machine:
     def clear_interrupt(self) -> None:
         struct.pack_into("<i", self.memory, INTERRUPT, 0)
 
-    def set_until(self, condition: bytes | None) -> None:
-        """End a run after the scan in which the condition (compile_condition) holds; None: no condition."""
-        if condition is not None:
-            if condition not in self._conditions:
-                self._conditions.clear()
-                self._conditions[condition] = self._link(condition)["side"]
-            self._hooks.set(self._store, 0, self._conditions[condition])
-        struct.pack_into("<i", self.memory, UNTIL, condition is not None)
+    def set_until(self, *conditions: bytes | None) -> None:
+        """End a run after the scan in which one of the conditions (compile_condition) holds; None: no condition."""
+        wanted = [c for c in conditions if c is not None]
+        if any(c not in self._conditions for c in wanted):
+            # linking writes the constants of a condition, maybe over those of one that is not wanted any more
+            self._conditions = {c: self._link(c)["side"] for c in wanted}
+        for slot, condition in enumerate(wanted):
+            self._hooks.set(self._store, slot, self._conditions[condition])
+        struct.pack_into("<i", self.memory, UNTIL, len(wanted))
 
-    def until_holds(self) -> bool:
-        """Whether the condition of set_until holds now: a run that ends with its last scan does not tell."""
-        return bool(self._hooks.get(self._store, 0)(self._store))
+    def until_holds(self, slot: int = 0) -> bool:
+        """Whether a condition of set_until, by its place there, holds now: a run does not tell which one ended it."""
+        return bool(self._hooks.get(self._store, slot)(self._store))
 
     # ------------------------------------------------------------------------------------- side modules
 
@@ -197,17 +201,17 @@ class Machine:
         exports["init"](self._store)
         return exports
 
-    def side(self, wasm: bytes) -> Callable[..., int]:
+    def side(self, side) -> Callable[..., int]:
         """The function of a side module. It raises Fault like `run`, and may be called while a probe stops."""
-        function = self._link(wasm)["side"]
-        return lambda *args: self._nested(function, args)
+        function = self._link(side.wasm)["side"]
+        return lambda *args: self._nested(function, args, side)
 
     def call(self, export: str) -> object:
         """Call a function of the module that takes nothing (program.routines names it). Raises Fault."""
         return self._nested(self._exports[export], ())
 
-    def _nested(self, function: wasmtime.Func, args: tuple) -> object:
-        """A call that leaves the stack of a suspended run as it is."""
+    def _nested(self, function: wasmtime.Func, args: tuple, side=None) -> object:
+        """A call that leaves the stack of a suspended run as it is. side: the module that the function is of."""
         before = self._sp.value(self._store)
         if not self.program.image_end < before <= self._top:
             self._sp.set_value(self._store, wasmtime.Val.i32(self._top))
@@ -216,7 +220,7 @@ class Machine:
         try:
             return function(self._store, *args)
         except wasmtime.Trap as trap:
-            raise self._fault(trap) from None
+            raise self._fault(trap, side) from None
         finally:
             self._sp.set_value(self._store, wasmtime.Val.i32(before))
             struct.pack_into("<i", self.memory, HOST_FAILED, 0)

@@ -273,6 +273,24 @@ def user_places(program: Program) -> list[Place]:
     return places
 
 
+def small_places(program: Program, most: int) -> tuple[list[Place], list[str]]:
+    """Every variable of the user down to members, but no array of more than `most` elements; and the names of those."""
+    found: list[Place] = []
+    left_out: list[str] = []
+    todo = user_places(program)[::-1]
+    while todo:
+        place = todo.pop()
+        t = place.type
+        if isinstance(t, Array) and t.element.size and t.size // t.element.size > most:
+            left_out.append(place.name)
+        elif isinstance(t, Struct | Block):
+            fields = [f for f in t.members.values() if not f.by_reference and f.section not in ("VAR_TEMP", "VAR_STAT")]
+            todo += [of_field(place, f) for f in fields[::-1]]
+        else:
+            found.append(place)
+    return found, left_out
+
+
 def is_scalar(place: Place) -> bool:
     """True for numbers, BOOL, times, ENUM: what a trace can hold in one column of numbers."""
     t = base_of(place.type)

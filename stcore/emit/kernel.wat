@@ -2,7 +2,7 @@
 ;; Addresses of the system area are those of stcore/program.py.
 
 (memory (export "memory") 1)
-(table (export "hooks") 1 funcref)
+(table (export "hooks") 16 funcref)
 (type $condition (func (result i32)))
 (global $sp (export "sp") (mut i32) (i32.const 0))
 
@@ -135,7 +135,16 @@
         (br $next))))
   (i32.store (i32.const 88) (local.get $to)))
 
-;; --- the scan loop: n scans in one call; fewer when the until-condition holds or the host interrupts
+;; --- whether one of the conditions holds that end a run: those in the first slots of the table
+
+(func $condition_holds (result i32) (local $slot i32)
+  (loop $next
+    (if (call_indirect (type $condition) (local.get $slot)) (then (return (i32.const 1))))
+    (local.set $slot (i32.add (local.get $slot) (i32.const 1)))
+    (br_if $next (i32.lt_u (local.get $slot) (i32.load (i32.const 96)))))
+  (i32.const 0))
+
+;; --- the scan loop: n scans in one call; fewer when a condition holds or the host interrupts
 
 (func $run (export "run") (param $n i64) (result i64) (local $done i64)
   (loop $next
@@ -150,6 +159,6 @@
         (i64.store (i32.const 24) (i64.add (i64.load (i32.const 24)) (i64.const 1)))
         (local.set $done (i64.add (local.get $done) (i64.const 1)))
         (if (i32.load (i32.const 96))
-          (then (if (call_indirect (type $condition) (i32.const 0)) (then (return (local.get $done))))))
+          (then (if (call $condition_holds) (then (return (local.get $done))))))
         (br $next))))
   (local.get $done))

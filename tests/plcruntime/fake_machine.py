@@ -108,7 +108,7 @@ class FakeMachine:
         self.program = program
         self._bytes = bytearray(1 << 22)
         self._top = program.limit
-        self._until = None
+        self._until = []
         self.calls: list[int] = []
         self._stop = threading.Event()
         self._root = program.variables["PLC_PRG"]
@@ -127,11 +127,11 @@ class FakeMachine:
     def initialise(self) -> None:
         self._bytes[: len(self.program.image)] = self.program.image
 
-    def set_until(self, condition) -> None:
-        self._until = condition
+    def set_until(self, *conditions) -> None:
+        self._until = [c for c in conditions if c is not None]
 
-    def until_holds(self) -> bool:
-        return bool(self._until(self))
+    def until_holds(self, slot: int = 0) -> bool:
+        return bool(self._until[slot](self))
 
     def clear_interrupt(self) -> None:
         struct.pack_into("<i", self._bytes, INTERRUPT, 0)
@@ -154,7 +154,7 @@ class FakeMachine:
         self.calls.append(scans)
         for done in range(1, scans + 1):
             self._scan()
-            if self._until and self._until(self):
+            if any(condition(self) for condition in self._until):
                 return done
         return scans
 

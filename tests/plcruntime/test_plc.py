@@ -137,9 +137,9 @@ def test_trace(plc):
 
 
 def test_two_traces_and_more_rows_than_the_buffer_holds(plc, monkeypatch):
-    from plcruntime import trace as module
+    from plcruntime import recorder
 
-    monkeypatch.setattr(module, "BUFFER", 64)
+    monkeypatch.setattr(recorder, "BUFFER", 64)
     first = plc.trace("counter")
     plc.scan(10)
     second = plc.trace("counter", "t")
