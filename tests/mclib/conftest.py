@@ -96,7 +96,7 @@ class Bench:
                 assert outputs or block.get("InVelocity"), f"{name}: Execute and no output"
             assert bool(block.get("Error")) == (block["ErrorID"] != 0), name
             # a block that was called before the one that took the axis learns of it in the next scan
-            owners += block["Busy"] and block["command"] == axis.command
+            owners += block["Busy"] and block["order"]["result"] == 0
         assert owners <= 1, "two blocks own the axis"
         now = (axis.prfPos, axis.prfVel)
         if self._last and self.continuous:
