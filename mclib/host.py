@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 
+from mclib import mram
 from stcore.program import Program
 from stcore.types import Array, Block, Field, Struct, Type
 
@@ -62,7 +63,23 @@ def functions(plc) -> dict[str, Callable]:
             struct.pack_into("<iid", memory, entries_at + 16 * i, key, axis, value)
         return min(len(entries), most)
 
-    return {"HOSTREADCONFIG": read_config}
+    kept = mram.Mram(mram.place(plc.project.path, plc.program.files))
+
+    def read_mram(words_at: int, address: int, count: int) -> int:
+        try:
+            _memory(plc)[words_at : words_at + 2 * count] = kept.read(address, count)
+        except OSError:
+            return 0
+        return 1
+
+    def write_mram(words_at: int, address: int, count: int) -> int:
+        try:
+            kept.write(address, bytes(_memory(plc)[words_at : words_at + 2 * count]))
+        except OSError:
+            return 0
+        return 1
+
+    return {"HOSTREADCONFIG": read_config, "HOSTREADMRAM": read_mram, "HOSTWRITEMRAM": write_mram}
 
 
 def find_config(name: str, folders: list[Path]) -> Path | None:
