@@ -10,9 +10,10 @@ import re
 from stcore import literals
 from stcore import syntax as s
 
-MAX_OPERANDS = 500  # of one expression without brackets: each is a level of the tree
-MAX_PATH = 100  # steps of a path: a.b[i]^.c
-_LONG_PATH = 1000  # characters; a shorter one can't have too many steps to matter
+# What is a level of the tree each, and the rest of the compiler goes down by a call or more a level:
+MAX_OPERANDS = 200  # of one expression without brackets
+MAX_STEPS = 100  # of a path, a.b[i]^.c, of signs in a row, of assignments in a row
+_LONG = 200  # characters; what is shorter can't have too many steps to matter
 
 _PRECEDENCE = {
     "**": 8, "*": 7, "/": 7, "MOD": 7, "+": 6, "-": 6, "<": 5, ">": 5, "<=": 5, ">=": 5, "=": 4, "<>": 4,
@@ -113,7 +114,7 @@ def assignment(t, a, b, v):
 
 
 def chained_assignment(t, a, b, v):
-    return s.Assign(a, b, v[0], ":=", v[2])
+    return _level(t, s.Assign(a, b, v[0], ":=", v[2]))
 
 
 def printed_assignment(t, a, b, v):
@@ -253,7 +254,7 @@ def _join(operands: list, operator: str) -> None:
 
 
 def unary(t, a, b, v):
-    return s.Unary(a, b, t.texts[v[0]].upper(), v[1])
+    return _level(t, s.Unary(a, b, t.texts[v[0]].upper(), v[1]))
 
 
 def bracketed(t, a, b, v):
@@ -268,21 +269,30 @@ def address(t, a, b, v):
     return s.Address(a, b, t.texts[v[0]].upper())
 
 
-def _path(t, node):
-    """Refuse a path of thousands of steps: each is a level of the tree."""
-    if node.end - node.start > _LONG_PATH:
-        steps, base = 0, node
-        while steps <= MAX_PATH and isinstance(base, (s.Member, s.Part, s.Index, s.Deref, s.Call)):
-            base = base.callee if isinstance(base, s.Call) else base.base
+def _inner(node):
+    """The part of a node that lies one level deeper."""
+    if isinstance(node, (s.Member, s.Part, s.Index, s.Deref)):
+        return node.base
+    if isinstance(node, s.Unary):
+        return node.operand
+    return node.callee if isinstance(node, s.Call) else node.value if isinstance(node, s.Assign) else None
+
+
+def _level(t, node):
+    """Refuse a node that only lies around another, around another, a hundred times."""
+    if node.end - node.start > _LONG:
+        steps, inner = 0, node
+        while steps <= MAX_STEPS and (deeper := _inner(inner)) is not None:
+            inner = deeper
             steps += 1
-        if steps > MAX_PATH:
-            t.report("E0113", base.start, node.end)
-            return base
+        if steps > MAX_STEPS:
+            t.report("E0113", inner.start, node.end)
+            return inner
     return node
 
 
 def member(t, a, b, v):
-    return _path(t, s.Member(a, b, v[0], t.texts[v[2]], t.starts[v[2]]))
+    return _level(t, s.Member(a, b, v[0], t.texts[v[2]], t.starts[v[2]]))
 
 
 def bit(t, a, b, v):
@@ -302,11 +312,11 @@ def part(t, a, b, v):
 
 
 def index(t, a, b, v):
-    return _path(t, s.Index(a, b, v[0], v[2]))
+    return _level(t, s.Index(a, b, v[0], v[2]))
 
 
 def deref(t, a, b, v):
-    return _path(t, s.Deref(a, b, v[0]))
+    return _level(t, s.Deref(a, b, v[0]))
 
 
 def call(t, a, b, v):
@@ -315,7 +325,7 @@ def call(t, a, b, v):
         if argument.value is None and not argument.output:
             t.report("W0110", argument.start, argument.end, name=argument.name)
             break
-    return _path(t, s.Call(a, b, v[0], arguments))
+    return _level(t, s.Call(a, b, v[0], arguments))
 
 
 def word_call(t, a, b, v):

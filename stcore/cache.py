@@ -118,8 +118,18 @@ def parse_cached(source: Source, reporter: Reporter) -> File:
     recorder = _Recorder(reporter)
     tree = parse(source, recorder)
     if all(code[0] == "W" for code, *_ in recorder.calls):
-        store("tree", key, pickle.dumps((tree, recorder.calls), 5))
+        store("tree", key, _pickled((tree, recorder.calls)))
     return tree
+
+
+def _pickled(tree: object) -> bytes:
+    """Pickling goes down the levels of a tree, more steps each than Python allows by default."""
+    limit = sys.getrecursionlimit()
+    sys.setrecursionlimit(max(limit, 20_000))  # the parser lets no tree be deeper than a tenth of that
+    try:
+        return pickle.dumps(tree, 5)
+    finally:
+        sys.setrecursionlimit(limit)
 
 
 class _Recorder:

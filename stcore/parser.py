@@ -17,7 +17,7 @@ from stcore.diagnostics import Reporter
 from stcore.lexer import Tokens
 from stcore.source import Source
 
-MAX_STACK = 700  # entries; a level of nesting takes about three
+MAX_STACK = 450  # entries; a level of nesting takes two to four
 
 
 def parse(source: Source, reporter: Reporter | None = None, mend: bool = True) -> s.File:

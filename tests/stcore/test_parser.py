@@ -438,6 +438,16 @@ def test_without_a_writable_cache(tmp_path, monkeypatch):
     assert cache.load("tree", "none") is None
 
 
+@pytest.mark.parametrize(
+    "text", ["a := " + "1+" * 199 + "1;", "a := " + "NOT " * 90 + "b;", "a := " + "f(" * 140 + ")" * 140 + ";"]
+)
+def test_the_deepest_trees_are_cached(folder, text):
+    source = Source(f"PROGRAM p\n{text}\nEND_PROGRAM")
+    for _ in range(2):
+        reporter = Reporter()
+        assert cache.parse_cached(source, reporter).units and not reporter.diagnostics
+
+
 def test_store_and_load(folder):
     key = cache.digest(b"a", b"b")
     assert key != cache.digest(b"ab") and cache.load("kind", key) is None
