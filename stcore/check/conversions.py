@@ -138,7 +138,7 @@ class Conversions(Printed):
 
     @staticmethod
     def _literal(node: s.Node, value: object) -> s.Node:
-        made = s.Literal(node.start, node.end, value, None, "")
+        made = node if node.__class__ is s.Literal else s.Literal(node.start, node.end, value, None, "")
         made.const = value
         return made
 

@@ -33,7 +33,6 @@ class ModuleEmitter:
         self.probed: dict[int, None] = {}  # sites of statements
         self.images = ImageBuilder(project)
         self.sites: list[Site] = []
-        self._site_index: dict[tuple, int] = {}
         self.functions: list[str] = []
         self.function_names: list[str] = []
         self.externals: list[External] = []
@@ -72,13 +71,9 @@ class ModuleEmitter:
         self.externals.append(External(pou.name, inputs, pou.result.type if pou.result else None))
 
     def site(self, source: Source, node: s.Node, pou: str, code: str, note: str) -> int:
-        mark = (source.path, node.start, code, note, pou)
-        index = self._site_index.get(mark)
-        if index is None:
-            line, column = source.position(node.start)
-            index = self._site_index[mark] = len(self.sites)
-            self.sites.append(Site(source.path, line, column, pou, code, " ".join(note.split())))
-        return index
+        line, column = source.position(node.start)
+        self.sites.append(Site(source.path, line, column, pou, code, " ".join(note.split()) if note else ""))
+        return len(self.sites) - 1
 
     def string(self, text: str, wide: bool) -> int:
         """The address of a constant string."""

@@ -35,13 +35,11 @@ class Expressions(Places):
     """Emits expressions. `value` gives the text of one value; of an aggregate, its address."""
 
     def value(self, node: s.Node) -> str:
-        if node.const is not None and isinstance(t.base_of(node.type), t.Elementary):
-            return constant(node.const, node.type)
+        if node.const is None:
+            return self.EMIT[node.__class__](self, node)
         if isinstance(node.const, str):
             return self.string_constant(node.const, node.type)
-        if isinstance(node.const, int) and isinstance(node.type, t.Pointer):
-            return constant(node.const, node.type)
-        return self.EMIT[type(node)](self, node)
+        return constant(node.const, node.type)
 
     def narrow(self, node: s.Node) -> str:
         """A value inside its type."""
