@@ -76,6 +76,7 @@ class PLC:
         self._make_machine = machine
         self._functions = host.functions(self) if host else {}
         self._typed: Typed | None = None
+        self.scheduled: list[tuple[int, str]] = []  # scan and text of every stimulus, for reports
         self.assertion: Exception | None = None  # of an ST test, the one that failed
         self.origin: tuple | None = None  # what `build` was told, for another build of the same program
         self._machine = self.new_machine(program)
@@ -267,10 +268,35 @@ class PLC:
 
     def schedule(self, path: str, value, at: Time, *, force: bool = False) -> None:
         """Write or force a variable before the scan that starts at a virtual time. Raises as writing does."""
-        place = self.place(path)
-        self._pieces(place, value)  # a wrong value is an error now, not in the middle of a run
+        self.check_value(path, value)  # a wrong value is an error now, not in the middle of a run
         action = (lambda: self.force(path, value)) if force else (lambda: self.__setitem__(path, value))
+        self._schedule(at, action, f"{self.place(path).name} {'forced to' if force else ':='} {value}")
+
+    def schedule_release(self, path: str, at: Time) -> None:
+        """Release a variable, if it is forced then, before the scan that starts at a virtual time."""
+        name = self.place(path).name
+        self._schedule(at, lambda: self.unforce(name) if name in self.forced else None, f"{name} released")
+
+    def _schedule(self, at: Time, action: Callable[[], None], text: str) -> None:
         self._engine.schedule.add(self._count(at), action, self.scans)
+        self.scheduled.append((self._count(at), text))
+
+    def stimuli(self, path: str | Path) -> int:
+        """Schedule the stimuli of a .csv or .toml file (plcruntime.stimulus_file tells the form); how many there are.
+
+        Raises UsageError for a name, value or time that is wrong, naming its line; then none is scheduled."""
+        from plcruntime import stimulus_file
+
+        return stimulus_file.schedule(self, path)
+
+    def check_value(self, path: str, value) -> None:
+        """Whether a value could be written. Raises PathError, TypeError, ValueError as writing does."""
+        place = self.place(path)
+        try:
+            self._pieces(place, value)
+        except PathError:
+            if not place.hops:
+                raise  # behind a pointer that the program sets later: told when it is written
 
     def stimulate(self, stimulus: Stimulus, *, force: bool = False) -> None:
         """Schedule ``VAR=VALUE@TIME``, VALUE as ST writes it. Raises UsageError."""

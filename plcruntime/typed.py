@@ -45,7 +45,7 @@ class Typed:
         plc, engine = self._plc, self._plc._engine
         machine = engine.machine
         side = compile_side(self.names(machine.program), text)
-        function = machine.side(side.wasm)
+        function = machine.side(side)
         end = plc.program.image_end
         before = bytes(machine.memory[NULL_PAGE:end])
         try:
@@ -66,7 +66,7 @@ class Typed:
         machine, end = self._plc._engine.machine, self._plc.program.image_end
         side = compile_side(self.names(machine.program), text, scene)
         before = bytes(machine.memory[NULL_PAGE:end])
-        result = self.result(side.type, machine.side(side.wasm)(this, frame))
+        result = self.result(side.type, machine.side(side)(this, frame))
         return result, before != bytes(machine.memory[NULL_PAGE:end])
 
     def condition(self, text: str, scene: Scene, offset: int) -> tuple[Callable[[int, int], int], int]:
@@ -74,7 +74,7 @@ class Typed:
         of its constants, among those of other conditions."""
         machine = self._plc._engine.machine
         side = condition(self.names(machine.program), text, scene, offset)
-        return machine.side(side.wasm), side.size
+        return machine.side(side), side.size
 
     def result(self, kind: Type | None, address: int) -> Result:
         if kind is None:

@@ -14,7 +14,6 @@ from pathlib import Path
 from stcore.codes import CODES
 from stcore.program import FAULT_A, FAULT_HIGH, FAULT_LOW, NULL_PAGE, SCAN, Program, Site
 
-
 ASSERTIONS = Path(__file__).parent / "library" / "testing"
 
 

@@ -6,6 +6,7 @@ import ctypes
 import functools
 import struct
 from collections.abc import Callable, Mapping
+from itertools import takewhile
 
 import wasmtime
 
@@ -166,8 +167,10 @@ class Machine:
         # what the user typed runs in a module of its own: the program's part of the stack tells the place
         frames = [(f.func_index, f.module_offset) for f in trap.frames if f.module_name != SIDE]
         where = self.program
-        if side is not None and not frames:
-            where, frames = side, [(f.func_index, f.module_offset) for f in trap.frames]
+        if side is not None:  # a suspended run may lie below it on the stack
+            frames = [(f.func_index, f.module_offset) for f in takewhile(lambda f: f.module_name != SIDE, trap.frames)]
+            if not frames:
+                where, frames = side, [(f.func_index, f.module_offset) for f in trap.frames if f.module_name == SIDE]
         return locate(where, self.memory, _TRAPS.get(trap.trap_code, ""), frames, str(self._host_error or ""))
 
     def interrupt(self) -> None:

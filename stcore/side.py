@@ -23,7 +23,7 @@ from stcore.emit.values import load, store, wasm_type
 from stcore.known import Known, Names, Scene
 from stcore.machine import SIDE, assemble
 from stcore.parser import parse_expression, parse_statements
-from stcore.program import NULL_PAGE, SIDE_SIZE, Program
+from stcore.program import NULL_PAGE, SIDE_SIZE, Program, Site
 from stcore.scope import Pou, Var
 from stcore.source import Source
 
@@ -38,11 +38,12 @@ class SideError(Exception):
 @dataclass(slots=True)
 class Side:
     """A side module. type: of the result, None for statements; its address is what the function gives. size: bytes of
-    constants that it occupies."""
+    constants that it occupies. sites: the places of its own checks."""
 
     wasm: bytes
     type: t.Type | None
     size: int
+    sites: list[Site]
 
 
 def compile_side(names: Names, text: str, scene: Scene | None = None) -> Side:
@@ -136,7 +137,7 @@ def _module(emitter: _Emitter, function: FunctionEmitter, tree, scene, at: int, 
         f"(module ${SIDE}", '(import "plc" "memory" (memory 1)) (import "plc" "sp" (global $sp (mut i32)))',
         *emitter.imported.values(), _helpers(code), stack, code, '(export "side" (func $side))', data, ")",
     ]  # fmt: skip
-    return Side(assemble("\n".join(module)), kind, size)
+    return Side(assemble("\n".join(module)), kind, size, emitter.sites)
 
 
 @functools.cache

@@ -39,11 +39,11 @@ class Repl:
         line = line.strip()
         if not line:
             # Enter repeats a step, as in gdb
-            line = self.last if split(line, self.last)[0] in ("step", "next", "into", "out", "back") else ""
+            line = self.last
             if not line:
                 return True
-        self.last = line
-        name, rest = split(line, line, self.session.is_variable)
+        name, rest = split(line, self.session.is_variable)
+        self.last = line if name in ("step", "next", "into", "out", "back") else ""
         if name == "quit":
             return False
         try:

@@ -17,7 +17,7 @@ def draw(time: Sequence[float], values: Sequence[float], name: str, width: int =
     if not len(finite):
         return [f"{name}: nothing to draw"]
     low, high = float(finite.min()), float(finite.max())
-    boolean = getattr(values, "dtype", None) == bool
+    boolean = np.asarray(values).dtype.kind == "b"
     height = 2 if boolean else height
     lines = [f"{name}   last {_text(numbers[-1], boolean)}, least {_text(low, boolean)}, most {_text(high, boolean)}"]
     if boolean:

@@ -31,7 +31,7 @@ _TABLE = [
     ("next", "to the next statement, over calls", "Statements"),
     ("into", "to the next statement, into calls, those of library blocks too", "Statements"),
     ("out", "to the end of this block or function", "Statements"),
-    ("break [POU:LINE [if EXPR]]", "stop before that line (when EXPR holds there); without arguments list", "Statements"),
+    ("break [POU:LINE [if EXPR]]", "stop before that line (when EXPR holds there); alone: list them", "Statements"),
     ("delete [n]", "remove breakpoint n, or all", "Statements"),
     ("list [POU[:LINE]|LINE]", "the source around the current statement, a line or a POU", "Statements"),
     ("where", "scan, time, statement, instance", "Statements"),
@@ -45,7 +45,7 @@ _TABLE = [
     ("diff", "what the last movement changed", "Variables"),
     ("axes", "the simulated axes that are used", "Variables"),
     ("plot VAR... [to FILE]", "draw the scans so far in the terminal, or into .png, .svg, .html", "Recording"),
-    ("trace [VAR...|off|to FILE]", "record variables from now on; write what was recorded to .csv or .npz", "Recording"),
+    ("trace [VAR...|off|to FILE]", "record variables from now on; write them to .csv or .npz", "Recording"),
     ("save [NAME]", "keep a snapshot by name; without NAME list them", "Recording"),
     ("load NAME", "return to a snapshot", "Recording"),
     ("help [COMMAND]", "this list, or one command", "Session"),
@@ -57,16 +57,18 @@ ALIASES = {
     "w": "watch", "d": "delete", "h": "help", "?": "help", "q": "quit", "exit": "quit", "r": "run", "u": "until",
     "finish": "out", "info": "where", "cont": "continue",
 }  # fmt: skip
-_ST_FOLLOWS = re.compile(r"\s*(:=|\.|\(|\[|\^|=|<|>|\+|/|;)")
+_OPERATOR = re.compile(r"\s+([-+*/=<>]|AND\b|OR\b|XOR\b|MOD\b)", re.I)
 
 
-def split(line: str, original: str, is_variable: Callable[[str], bool] = lambda _: False) -> tuple[str, str]:
+def split(line: str, is_variable: Callable[[str], bool] = lambda _: False) -> tuple[str, str]:
     """(command, rest of the line); '' for ST. What a variable is called stays the variable."""
-    match = re.match(r"(\?|[A-Za-z]+)(.*)", (line or original).strip(), re.S)
+    match = re.match(r"(\?|[A-Za-z]+)(.*)", line.strip(), re.S)
     if not match:
         return "", line
     word, rest = match[1].lower(), match[2]
-    if rest[:1] not in ("", " ", "\t") or _ST_FOLLOWS.match(rest):
+    if rest[:1] not in ("", " ", "\t") or rest.lstrip().startswith(":="):
+        return "", line
+    if _OPERATOR.match(rest) and is_variable(word):
         return "", line
     name = ALIASES.get(word, word)
     if name not in COMMANDS or name != word and is_variable(word):

@@ -44,7 +44,7 @@ def candidates(session: Session, text: str) -> Iterator[tuple[str, int]]:
 
 def _arguments(session: Session, before: str) -> list[str] | None:
     """What a command takes that is no expression."""
-    command, rest = split(before, before) if before.strip() else ("", "")
+    command, rest = split(before) if before.strip() else ("", "")
     if rest:
         return None
     if command == "help":

@@ -65,7 +65,7 @@ class Session:
 
     def __call__(self, text: str, scene: Scene | None = None, this: int = 0) -> str:
         side = compile_side(self.names, text, scene)
-        address = self.machine.side(side.wasm)(this, 0)
+        address = self.machine.side(side)(this, 0)
         return "" if side.type is None else show(side.type, decode(self.machine.memory, side.type, address))
 
 
@@ -174,5 +174,5 @@ def test_library_functions_that_the_program_does_not_use():
     program = compile([Path(__file__).parents[2] / "examples_st" / "blinker.st"])
     machine = Machine(program)
     side = compile_side(Names(program), "SIN(0.5)")
-    address = machine.side(side.wasm)(0, 0)
+    address = machine.side(side)(0, 0)
     assert decode(machine.memory, side.type, address) == pytest.approx(0.479425538604203, rel=1e-15)

@@ -1,0 +1,183 @@
+"""The prompt as a process: commands from a pipe, and keys in a real terminal (tmux)."""
+
+import shutil
+import subprocess
+import sys
+import time
+import uuid
+
+import pytest
+
+from plcruntime import PLC
+from plcruntime.repl.chart import draw
+from plcruntime.repl.completion import candidates
+from plcruntime.repl.session import Session
+
+COMMAND = [sys.executable, "-m", "plcruntime", "repl"]
+WAIT = 30.0  # s that a terminal has to show something
+
+
+def piped(source, text: str, *arguments: str) -> subprocess.CompletedProcess:
+    return subprocess.run([*COMMAND, str(source), *arguments], input=text, capture_output=True, text=True, timeout=120)
+
+
+def test_commands_from_a_pipe(source):
+    done = piped(source, "# a comment\nstep 3\nn\nnonsense here\nn := 50\nrun 1s\nprint n\nquit\nstep\n")
+    assert done.returncode == 0
+    assert done.stdout.splitlines()[1:3] == ["3 scans, 0.003 s", "3"]
+    assert done.stdout.splitlines()[-2:] == ["1003 scans, 1.003 s", "1050"]
+    assert not done.stderr
+
+
+def test_the_end_of_the_input_ends_a_session_that_waits(source):
+    done = piped(source, "next\nnext\n")
+    assert done.returncode == 0 and "acc(d := 2)" in done.stdout
+
+
+def test_a_program_with_errors(source):
+    source.write_text("PROGRAM P\nVAR x : INT; END_VAR\nx := y;\nEND_PROGRAM\n")
+    done = piped(source, "step\n")
+    assert done.returncode == 1 and "E0301" in done.stderr
+
+
+def test_a_missing_file(tmp_path):
+    assert piped(tmp_path / "no.st", "").returncode in (1, 2)
+
+
+def test_axes_of_a_motion_program(tmp_path):
+    text = """PROGRAM PLC_PRG
+VAR axis : AXIS_REF_SM3; power : MC_Power; END_VAR
+power(Axis := axis, Enable := TRUE, bRegulatorOn := TRUE, bDriveStart := TRUE);
+END_PROGRAM
+"""
+    (tmp_path / "m.st").write_text(text)
+    done = piped(tmp_path / "m.st", "run 100ms\naxes\n")
+    assert "standstill" in done.stdout
+    assert done.returncode == 0
+
+
+# ---------------------------------------------------------------------------------------------- completion
+
+
+def completed(session: Session, text: str) -> list[str]:
+    return [name for name, _ in candidates(session, text)]
+
+
+def test_completion(source):
+    session = Session(PLC.load(source))
+    assert completed(session, "unt") == ["until"]
+    assert "PLC_PRG" in completed(session, "print pl")
+    assert completed(session, "print PLC_PRG.ac") == ["acc"]
+    assert {"d", "sum"} <= set(completed(session, "PLC_PRG.acc."))
+    assert completed(session, "PLC_PRG.blocks[2].su") == ["sum"]
+    assert "ET" in completed(session, "wait.E")
+    assert completed(session, "n + Twi") == ["Twice"]
+    assert completed(session, "break Ac") == ["Acc"]
+    assert completed(session, "help pl") == ["plot"]
+    assert completed(session, "reset c") == ["cold"]
+    assert completed(session, "nothing.") == []
+
+
+def test_a_chart_keeps_a_single_peak():
+    values = [0.0] * 10_000
+    values[5_000] = 1.0
+    lines = draw([i / 1000 for i in range(10_000)], values, "x")
+    assert "most 1" in lines[0]
+    assert any(c != "\u2800" for c in lines[1].split("┤")[1])
+
+
+# ------------------------------------------------------------------------------------------------ terminal
+
+
+class Terminal:
+    """A session in tmux: keys go in, the screen is read until it shows what is waited for."""
+
+    def __init__(self, source, environment: dict[str, str]) -> None:
+        self.name = f"scancycle-{uuid.uuid4().hex[:8]}"
+        variables = [part for k, v in environment.items() for part in ("-e", f"{k}={v}")]
+        self._tmux("new-session", "-d", "-s", self.name, "-x", "120", "-y", "50", *variables, *COMMAND, str(source))
+
+    def _tmux(self, *arguments: str) -> str:
+        return subprocess.run(["tmux", *arguments], capture_output=True, text=True, check=True).stdout
+
+    def type(self, *keys: str) -> None:
+        for key in keys:
+            self._tmux("send-keys", "-t", self.name, *(["-l", key] if len(key) > 1 and " " in key else [key]))
+
+    def line(self, text: str) -> None:
+        self._tmux("send-keys", "-t", self.name, "-l", text)
+        self._tmux("send-keys", "-t", self.name, "Enter")
+
+    def screen(self) -> str:
+        return self._tmux("capture-pane", "-p", "-t", self.name)
+
+    def shows(self, text: str) -> str:
+        deadline = time.monotonic() + WAIT
+        while text not in (screen := self.screen()):
+            assert time.monotonic() < deadline, f"'{text}' is not on the screen:\n{screen}"
+            time.sleep(0.05)
+        return screen
+
+    def alive(self) -> bool:
+        return subprocess.run(["tmux", "has-session", "-t", self.name], capture_output=True).returncode == 0
+
+    def close(self) -> None:
+        subprocess.run(["tmux", "kill-session", "-t", self.name], capture_output=True)
+
+
+@pytest.fixture
+def terminal(source, tmp_path):
+    if shutil.which("tmux") is None:
+        pytest.skip("tmux is not on this machine")
+    made = Terminal(source, {"SCANCYCLE_CACHE": str(tmp_path / "cache")})
+    yield made
+    made.close()
+
+
+def test_in_a_terminal(terminal, tmp_path):
+    terminal.shows("help lists the commands")
+    terminal.shows("0>")
+    terminal.line("step 5")
+    terminal.shows("5 scans, 0.005 s")
+    terminal.shows("5>")
+    terminal.type("PLC_PRG.", "a")
+    terminal.shows("acc")  # the menu of completions
+    terminal.type("C-c")
+    terminal.line("next")
+    terminal.shows("PLC_PRG:")  # the prompt names the statement
+    terminal.line("n * 1000")
+    terminal.shows("5000")
+    terminal.line("foo bar")
+    terminal.line("step")
+    terminal.shows("6 scans, 0.006 s")
+    terminal.type("Up", "Up", "Up", "Enter")  # n * 1000 from the history
+    terminal.shows("6000")
+    terminal.line("quit")
+    deadline = time.monotonic() + WAIT
+    while terminal.alive() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not terminal.alive()
+    assert "n * 1000" in (tmp_path / "cache" / "repl_history").read_text()
+
+
+def test_ctrl_c_stops_a_run_and_the_session_goes_on(terminal):
+    terminal.shows("0>")
+    terminal.line("continue")
+    time.sleep(1)
+    terminal.type("C-c")
+    terminal.shows("interrupted")
+    terminal.line("1 + 41")
+    terminal.shows("42")
+
+
+def test_ctrl_c_while_probes_are_in_stops_at_a_statement(terminal):
+    terminal.shows("0>")
+    terminal.line("break Acc:1 if sum < 0")
+    terminal.shows("breakpoint 1")
+    terminal.line("until n < 0 for 1h")
+    time.sleep(1)
+    terminal.type("C-c")
+    terminal.shows("in scan")
+    terminal.line("delete")
+    terminal.line("step")
+    terminal.shows("scans, ")
