@@ -360,10 +360,12 @@ def _drop_objects(tokens: Tokens, reporter: Reporter) -> None:
     kinds, texts = tokens.kinds, tokens.texts
     stops = (KIND["END_FUNCTION_BLOCK"], KIND["END_PROGRAM"], 0)
     ends = KIND["OBJECT"]
+    after = END_KINDS | {KIND["SEMI"], KIND["NAME"], ends}  # a NAME: FUNCTION_BLOCK f METHOD m
     i = 0
     while i < len(kinds):
         word = texts[i].upper() if kinds[i] == SOFT else ""
-        if word not in _OBJECTS or kinds[i + 1] not in (NAME, SOFT):
+        begins = i == 0 or kinds[i - 1] in after
+        if word not in _OBJECTS or not begins or kinds[i + 1] not in (NAME, SOFT):
             i += 1
             continue
         last = i + 1
