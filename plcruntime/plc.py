@@ -438,6 +438,10 @@ class PLC:
         """What the configuration says of the axes, and which axis of the program is which of the simulator."""
         if self._bind:
             self._bind(self)
+        if "ECAT.SLAVE" in self.program.variables:
+            from mclib import ecat
+
+            ecat.configure(self, self.project.ecat)
         if not len(self.axes):
             return
         for axis in self.project.axes:

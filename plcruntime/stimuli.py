@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -73,13 +74,14 @@ class Schedule:
 
     def add(self, scan: int, action: Callable[[], None], now: int) -> None:
         """now: scans finished; what was due before has been done."""
-        self._entries.append((scan, len(self._entries), action))
-        self._entries.sort(key=lambda e: e[:2])
+        entry = (scan, len(self._entries), action)
+        at = bisect_right(self._entries, entry[:2], key=lambda e: e[:2])
+        self._entries.insert(at, entry)
         self.rewind(now)
 
     def rewind(self, scan: int) -> None:
         """The next action is the first that is due at `scan` or later."""
-        self._next = next((i for i, e in enumerate(self._entries) if e[0] >= scan), len(self._entries))
+        self._next = bisect_left(self._entries, scan, key=lambda e: e[0])
 
     def run_due(self, scan: int) -> None:
         """Take every action that is due before scan number `scan` runs."""
