@@ -17,7 +17,7 @@ NAME = "plc.toml"
 
 # section -> key -> what it holds
 KEYS: dict[str, dict[str, str]] = {
-    "": {"project": "table", "task": "tables", "axis": "tables"},
+    "": {"project": "table", "task": "tables", "axis": "tables", "ecat": "table"},
     "project": {
         "files": "list of texts", "interval": "duration", "libraries": "list of texts", "watchdog": "duration",
         "strict": "TRUE or FALSE", "retain": "text", "retain_every": "duration", "stimuli": "text",
@@ -34,6 +34,14 @@ KEYS: dict[str, dict[str, str]] = {
         "limit_positive": "number", "limit_negative": "number", "home_from": "number", "home_to": "number",
         "index_period": "number", "index_at": "number",
     },
+    # the simulated EtherCAT bus; mclib/ecat.py knows the values, docs/ecat.md the meaning
+    "ecat": {"eni": "text", "startup": "duration", "slave": "tables", "fault": "tables"},
+    "slave": {
+        "kind": "text", "name": "text", "count": "whole number", "axis": "whole number", "wired": "TRUE or FALSE",
+        "outputs": "list of texts", "inputs": "list of texts", "modules": "list of texts", "objects": "list of texts",
+        "vendor": "whole number", "product": "whole number", "revision": "whole number",
+    },
+    "fault": {"slave": "whole number", "at": "duration", "until": "duration"},
 }  # fmt: skip
 
 # key of an axis -> members of the simulator's axis (mclib/library/sim/SimAxis.st); ref^ is the program's AXIS_REF_SM3
@@ -77,6 +85,7 @@ class Project:
     retain: Path | None = None
     retain_every: float | None = None
     stimuli: Path | None = None
+    ecat: Any = None  # the simulated EtherCAT bus, an mclib.ecat.Bus
 
 
 def load(path: str | Path) -> Project:
@@ -104,6 +113,7 @@ def load(path: str | Path) -> Project:
         axes=_axes(path, data.get("axis", [])),
         watchdog=_seconds(path, head, "watchdog"),
         strict=head.get("strict", False),
+        ecat=_ecat(path, data["ecat"]) if "ecat" in data else None,
         retain=path.parent / head["retain"] if "retain" in head else None,
         retain_every=_seconds(path, head, "retain_every"),
         stimuli=path.parent / head["stimuli"] if "stimuli" in head else None,
@@ -203,6 +213,15 @@ def _axes(path: Path, tables: list[dict]) -> list[Axis]:
             axis.keys["places.placed"] = "home_from"
         axes.append(axis)
     return axes
+
+
+def _ecat(path: Path, table: dict):
+    from mclib import ecat
+
+    try:
+        return ecat.read(table, path.parent, durations.nanoseconds)
+    except ecat.BusError as error:
+        raise UsageError(f"{path}: ecat: {error}") from None
 
 
 def _in_ms(path: Path, number: int, value) -> float:
