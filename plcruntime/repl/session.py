@@ -84,7 +84,8 @@ class Session:
             self.say(text(fault, self.plc.time))
             self.say("the PLC is in its exception state; look around, then: back, reset or load")
         else:
-            self.say(f"fault {fault.code}: {fault.message}" + (f" ({fault.file}:{fault.line})" if Path(fault.file).is_file() else ""))
+            place = f" ({fault.file}:{fault.line})" if Path(fault.file).is_file() else ""
+            self.say(f"fault {fault.code}: {fault.message}{place}")
 
     def time(self) -> str:
         return f"{self.plc.time:.9g} s"

@@ -1,0 +1,166 @@
+"""The pytest plugin, run by a pytest of its own."""
+
+import subprocess
+import sys
+
+import pytest
+
+from plcruntime import PLC, UsageError
+from plcruntime.golden import GoldenMismatch
+
+PROGRAM = """\
+PROGRAM PLC_PRG
+VAR n : INT; x : LREAL; done : BOOL; txt : STRING := 'abc'; END_VAR
+n := n + 1;
+x := x + 0.5;
+done := n > 10;
+END_PROGRAM
+"""
+PYTHON = """\
+def test_fresh(plc):
+    p = plc("prog.st")
+    assert p["n"] == 0
+    p.run("20ms")
+    assert p["n"] == 20
+    assert plc("prog.st")["n"] == 0
+
+def test_bad(plc):
+    p = plc("prog.st", interval="10ms")
+    p.run_until("done AND x > 1.0")
+    assert p["PLC_PRG.n"] == 12
+
+def test_fault(plc):
+    p = plc("PROGRAM A\\nVAR x, y : INT; END_VAR\\nx := x + 1;\\nIF x > 4 THEN y := x / y; END_IF\\nEND_PROGRAM")
+    assert p["x"] == 0
+    p.run("10ms")
+"""
+GOLDEN = """\
+def test_golden(plc):
+    p = plc("prog.st")
+    trace = p.trace("n", "x")
+    p.run("10ms")
+    plc.golden(trace, "golden/run.csv")
+"""
+ST = """\
+{attribute 'test'}
+FUNCTION test_good : BOOL
+ASSERT(TRUE);
+END_FUNCTION
+{attribute 'test'}
+FUNCTION test_wrong : BOOL
+ASSERT_EQ(1, 2, 'numbers');
+END_FUNCTION
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "prog.st").write_text(PROGRAM)
+    return tmp_path
+
+
+def run(folder, *arguments: str) -> tuple[int, str]:
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *arguments]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300)
+    return done.returncode, done.stdout + done.stderr
+
+
+def test_fixture_and_reports(folder):
+    (folder / "test_prog.py").write_text(PYTHON)
+    code, out = run(folder, "--plc-trace-on-fail", "traces")
+    assert code == 1 and "2 failed, 1 passed" in out
+    rows = [line.split() for line in out.splitlines()]
+    assert ["0.1", "s", "TRUE", "5.5", "11"] in rows  # the last scan: done, x, n
+    assert ["now", "TRUE", "5.5", "11"] in rows
+    assert "fault F0102" in out and "in A, in scan 4" in out
+    written = sorted(p.name for p in (folder / "traces").iterdir())
+    assert written == ["test_prog.py_test_bad.csv", "test_prog.py_test_fault.csv"]
+    head, *lines = (folder / "traces" / "test_prog.py_test_bad.csv").read_text().splitlines()
+    assert head == "time,PLC_PRG.done,PLC_PRG.x,PLC_PRG.n" and len(lines) == 11
+
+
+def test_st_files_are_collected(folder):
+    (folder / "test_st.st").write_text(ST)
+    (folder / "test_broken.st").write_text("{attribute 'test'}\nFUNCTION f : BOOL\nf := y;\nEND_FUNCTION\n")
+    code, out = run(folder, "test_st.st", "-vv")
+    assert code == 1 and "1 failed, 1 passed" in out
+    assert "test_st.st::test_good PASSED" in out
+    assert "test_st.st:7: test_wrong: ASSERT_EQ failed: numbers: expected 1, actual 2" in out
+    assert ">    7 | ASSERT_EQ(1, 2, 'numbers');" in out
+    code, out = run(folder, "test_broken.st")
+    assert code == 2 and "E0301" in out and "Traceback" not in out
+
+
+def test_golden_is_recorded_then_compared(folder):
+    (folder / "test_golden.py").write_text(GOLDEN)
+    code, out = run(folder)
+    assert code == 1 and "--plc-record writes it" in out
+    assert run(folder, "--plc-record")[0] == 0
+    assert run(folder)[0] == 0
+    (folder / "prog.st").write_text(PROGRAM.replace("x + 0.5", "x + 0.5 + SEL(n > 6, 0.0, 1.0)"))
+    code, out = run(folder)
+    assert code == 1
+    assert "PLC_PRG.x: 4 scans differ, by 4 at most" in out
+    assert "0.006 s               3.5               4.5  <" in out
+    assert "PLC_PRG.n:" not in out
+
+
+# ----------------------------------------------------------------------------------------------- comparing
+
+
+@pytest.fixture
+def trace(folder):
+    plc = PLC.load(folder / "prog.st")
+    made = plc.trace("n", "x", "done")
+    plc.scan(20)
+    made.to_csv(folder / "gold.csv")
+    return made
+
+
+def change(folder, line: int, column: int, text: str) -> None:
+    rows = [row.split(",") for row in (folder / "gold.csv").read_text().splitlines()]
+    rows[line][column] = text
+    (folder / "gold.csv").write_text("\n".join(map(",".join, rows)) + "\n")
+
+
+def test_equal(trace, folder):
+    trace.compare(folder / "gold.csv")
+
+
+def test_tolerances(trace, folder):
+    change(folder, 5, 2, "2.6")
+    with pytest.raises(GoldenMismatch, match=r"PLC_PRG.x: 1 scans differ, by 0.1 at most"):
+        trace.compare(folder / "gold.csv")
+    trace.compare(folder / "gold.csv", 0.2)
+    trace.compare(folder / "gold.csv", tolerances={"plc_prg.X": 0.11})
+    with pytest.raises(GoldenMismatch, match="allowed 0.05"):
+        trace.compare(folder / "gold.csv", tolerances={"PLC_PRG.x": 0.05})
+    with pytest.raises(UsageError, match="does not have"):
+        trace.compare(folder / "gold.csv", tolerances={"PLC_PRG.y": 1})
+
+
+def test_bool_columns_and_lengths(trace, folder):
+    change(folder, 3, 3, "1")
+    lines = (folder / "gold.csv").read_text().splitlines()
+    (folder / "gold.csv").write_text("\n".join(lines[:-2]) + "\n")
+    with pytest.raises(GoldenMismatch) as error:
+        trace.compare(folder / "gold.csv")
+    assert "20 scans, recorded were 18" in str(error.value)
+    assert "PLC_PRG.done: 1 scans differ" in str(error.value)
+
+
+def test_other_columns(folder, trace):
+    plc = PLC.load(folder / "prog.st")
+    other = plc.trace("n")
+    plc.scan(20)
+    with pytest.raises(GoldenMismatch, match="not traced now: PLC_PRG.x, PLC_PRG.done"):
+        other.compare(folder / "gold.csv")
+
+
+@pytest.mark.parametrize("text", ["", "a,b\n1,2\n", "time,x\n1\n"])
+def test_bad_files(trace, folder, text):
+    (folder / "bad.csv").write_text(text)
+    with pytest.raises(UsageError, match="no recorded trace"):
+        trace.compare(folder / "bad.csv")
+    with pytest.raises(UsageError, match="no golden trace"):
+        trace.compare(folder / "missing.csv")

@@ -1,0 +1,237 @@
+"""Tests written in ST and ``scancycle test``."""
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from plcruntime.cli import main
+from plcruntime.st_tests import TestFile, find, report
+
+TEXT = """\
+TYPE Colour : (Red, Green, Blue); END_TYPE
+FUNCTION Twice : INT
+VAR_INPUT a : INT; END_VAR
+Twice := a * 2;
+END_FUNCTION
+
+{attribute 'test'}
+FUNCTION test_every_kind : BOOL
+VAR
+  c : Colour := Green; t : TIME := T#2s; s : STRING := 'ab'; r : REAL := 0.5; l : LREAL := 0.1; w : WORD := 16#FF;
+END_VAR
+ASSERT_EQ(4, Twice(2), 'two');
+ASSERT(Twice(3) = 6, 'three');
+ASSERT_EQ(Green, c, 'colour');
+ASSERT_EQ(T#2s, t);
+ASSERT_EQ('ab', s);
+ASSERT_EQ(TRUE, t > T#1s);
+ASSERT_EQ(0.5, r);
+ASSERT_EQ(16#FF, w);
+ASSERT_NEAR(0.3, l + 0.2, 1E-9, 'near');
+END_FUNCTION
+
+{attribute 'test'}
+FUNCTION test_eq : BOOL
+ASSERT_EQ(5, Twice(2), 'two');
+END_FUNCTION
+
+{attribute 'test'}
+FUNCTION test_near : BOOL
+ASSERT_NEAR(1.0, 1.5, 0.1);
+END_FUNCTION
+
+{attribute 'test'}
+FUNCTION test_text : BOOL
+VAR s : STRING := 'one'; END_VAR
+ASSERT_EQ('two', s, 'texts');
+END_FUNCTION
+
+{attribute 'test'}
+PROGRAM test_timer
+VAR t : TON; n : INT; END_VAR
+t(IN := TRUE, PT := T#5ms);
+n := n + 1;
+IF t.Q THEN
+  ASSERT_EQ(6, n);
+  TEST_DONE();
+END_IF
+END_PROGRAM
+
+{attribute 'test'}
+{attribute 'timeout' := '50ms'}
+PROGRAM test_never
+VAR n : INT; END_VAR
+n := n + 1;
+END_PROGRAM
+
+{attribute 'test'}
+PROGRAM test_late
+VAR n, other : INT; END_VAR
+n := n + 1;
+other := other + 3;
+ASSERT(n < 8, 'too far');
+END_PROGRAM
+
+{attribute 'test'}
+PROGRAM test_fault
+VAR n : INT := 2; m : INT; END_VAR
+n := n - 1;
+m := 10 / n;
+END_PROGRAM
+"""
+
+
+def line_of(text: str) -> int:
+    return next(i for i, line in enumerate(TEXT.splitlines(), 1) if text in line)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch) -> Path:
+    (tmp_path / "test_a.st").write_text(TEXT)
+    (tmp_path / "prog.st").write_text("PROGRAM PLC_PRG\nVAR x : INT; END_VAR\nx := x + 1;\nEND_PROGRAM\n")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def results(folder) -> dict:
+    file = TestFile(folder / "test_a.st")
+    return {test.name: file.run(test) for test in file.tests}
+
+
+def test_what_passes_and_what_fails(results):
+    failed = {name for name, result in results.items() if not result.passed}
+    assert failed == {"test_eq", "test_near", "test_text", "test_never", "test_late", "test_fault"}
+    assert list(results)[0] == "test_every_kind"  # in the order of the file
+
+
+def test_an_assertion_names_its_own_line_and_values(results):
+    result = results["test_eq"]
+    assert (result.line, result.assertion.expected, result.assertion.actual) == (line_of("ASSERT_EQ(5"), "5", "4")
+    assert result.message == "ASSERT_EQ failed: two: expected 5, actual 4"
+    assert results["test_near"].assertion.actual == "1.5"
+    assert results["test_text"].assertion.actual == "one"
+    text = report(result)
+    assert f">{result.line:6}".replace(" ", "") in text.replace(" ", "") and "expected  5" in text
+
+
+def test_a_program_is_scanned_until_it_is_done(results):
+    assert results["test_timer"].scans == 6
+    late = results["test_late"]
+    assert (late.line, late.scans) == (line_of("ASSERT(n < 8"), 7)
+    assert late.heads == ["time", "test_late.n"]
+    assert [row[1] for row in late.rows] == ["1", "2", "3", "4", "5", "6", "7", "8"]
+    assert late.rows[-1][0] == "failed"
+
+
+def test_time_out_and_fault(results):
+    assert "time-out after 50ms" in results["test_never"].message
+    assert results["test_never"].scans == 50
+    assert "F0102" in results["test_fault"].message
+    assert results["test_fault"].line == line_of("m := 10 / n")
+
+
+def test_each_test_begins_afresh(folder):
+    file = TestFile(folder / "test_a.st")
+    timer = next(t for t in file.tests if t.name == "test_timer")
+    assert [file.run(timer).passed for _ in range(3)] == [True] * 3
+
+
+def test_more_tests_than_tasks_fit(tmp_path):
+    one = "{{attribute 'test'}}\nPROGRAM t{0}\nVAR n : INT; END_VAR\nn := n + 1;\n"
+    one += "IF n = 3 THEN TEST_DONE(); END_IF\nEND_PROGRAM\n"
+    (tmp_path / "test_many.st").write_text("".join(one.format(i) for i in range(400)))
+    file = TestFile(tmp_path / "test_many.st")
+    assert all(file.run(t).passed and file.plc.scans == 3 for t in file.tests)
+    assert len(file.tests) == 400
+
+
+def test_what_is_no_test(tmp_path):
+    (tmp_path / "test_b.st").write_text(
+        "{attribute 'test'}\nFUNCTION f : BOOL\nVAR_INPUT a : INT; END_VAR\nf := a > 0;\nEND_FUNCTION\n"
+        "{attribute 'test'}\nFUNCTION_BLOCK g\nVAR a : INT; END_VAR\na := 1;\nEND_FUNCTION_BLOCK\n"
+    )
+    file = TestFile(tmp_path / "test_b.st")
+    messages = [file.run(t).message for t in file.tests]
+    assert messages == ["a test takes no parameters", "a FUNCTION_BLOCK can't be a test; PROGRAM and FUNCTION can"]
+
+
+# ------------------------------------------------------------------------------------------------- command
+
+
+def test_find(folder):
+    (folder / "deep").mkdir()
+    (folder / "deep" / "test_b.st").write_text("")
+    assert sorted(p.name for p in find([str(folder)])) == ["test_a.st", "test_b.st"]
+    assert find(["prog.st"]) == [Path("prog.st")]
+
+
+def test_command(folder, capsys):
+    assert main(["test"]) == 1
+    out = capsys.readouterr().out
+    assert "test_a.st .FFF.FFF" in out
+    assert "6 failed, 2 passed" in out
+    assert f"test_a.st:{line_of('ASSERT_EQ(5')}: test_eq: ASSERT_EQ failed" in out
+
+
+def test_selection_and_stop(folder, capsys):
+    assert main(["test", "-k", "timer or every"]) == 0
+    assert "2 passed" in capsys.readouterr().out
+    assert main(["test", "-k", "not (timer or every)", "-x"]) == 1
+    assert "1 failed, 0 passed" in capsys.readouterr().out
+    assert main(["test", "-k", "nothing"]) == 2
+    assert main(["test", "-k", "and or"]) == 2
+
+
+def test_exit_codes(folder, capsys):
+    assert main(["test", "nowhere"]) == 2
+    assert main(["test", "prog.st"]) == 2
+    (folder / "test_a.st").write_text("{attribute 'test'}\nFUNCTION f : BOOL\nf := y;\nEND_FUNCTION\n")
+    assert main(["test"]) == 1
+    out = capsys.readouterr().out
+    assert "E0301" in out and "1 files with errors" in out
+
+
+def test_junit(folder, capsys):
+    assert main(["test", "--junit", "out.xml"]) == 1
+    suite = ElementTree.parse("out.xml").getroot()[0]
+    assert (suite.get("tests"), suite.get("failures"), suite.get("errors")) == ("8", "6", "0")
+    case = next(c for c in suite if c.get("name") == "test_eq")
+    assert case.get("line") == str(line_of("FUNCTION test_eq")) and case.get("file") == "test_a.st"
+    assert case[0].get("message") == "ASSERT_EQ failed: two: expected 5, actual 4"
+    assert main(["test", "--junit", "no/out.xml"]) == 2
+
+
+def test_watch_runs_again_after_an_edit(folder):
+    command = [sys.executable, "-m", "plcruntime", "test", "--watch", "-k", "eq"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    try:
+        assert "1 failed" in _until(process, "watching")
+        time.sleep(0.1)
+        (folder / "test_a.st").write_text(TEXT.replace("ASSERT_EQ(5,", "ASSERT_EQ(4,"))
+        assert "1 passed" in _until(process, "watching")
+    finally:
+        process.terminate()
+        process.wait()
+
+
+def _until(process: subprocess.Popen, text: str) -> str:
+    read = ""
+    while text not in read:
+        line = process.stdout.readline()
+        assert line, read
+        read += line
+    return read
+
+
+def test_an_assertion_outside_of_tests_is_a_fault_at_its_own_line(folder, capsys):
+    (folder / "prog.st").write_text(
+        "PROGRAM PLC_PRG\nVAR x : INT; END_VAR\nx := x + 1;\nASSERT(x < 3, 'x grows');\nEND_PROGRAM\n"
+    )
+    assert main(["run", "prog.st", "--scans", "10"]) == 1
+    err = capsys.readouterr().err
+    assert "prog.st:4:" in err and "x grows" in err
