@@ -11,6 +11,7 @@ import queue
 import struct
 import threading
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -18,7 +19,7 @@ from plcruntime.breakpoints import Breakpoint, Breakpoints, instance_path
 from plcruntime.errors import UsageError
 from plcruntime.typed import Result
 from stcore.known import Scene
-from stcore.program import DEPTH, STOP, STOP_DEPTH, Body, Site
+from stcore.program import DEPTH, STOP, STOP_DEPTH, Body, Program, Site
 from stcore.side import condition
 
 if TYPE_CHECKING:
@@ -88,6 +89,7 @@ class Debugger:
         self._requests: queue.SimpleQueue = queue.SimpleQueue()
         self._order: _Order | None = None
         self._thread: threading.Thread | None = None
+        self._ahead: Future[Program] | None = None
         self._deaf = False  # probes are passed over: typed text runs
         self._watchdog = self._engine.guard.seconds
         self._checks: dict[tuple[int, int], Callable[[int, int], int]] = {}  # conditions, by breakpoint and body
@@ -106,7 +108,7 @@ class Debugger:
     def attach(self) -> None:
         """Change to the probed build. Raises UsageError when the source is no longer what was loaded."""
         if self._probed is None:
-            self._probed = self.plc_build()
+            self._probed = self._build()
             self._probed.on_probe = self._on_probe
         if not self.active:
             self._use(self._probed)
@@ -122,15 +124,29 @@ class Debugger:
         self._engine.use(machine)
         self._plc._machine = machine
 
-    def plc_build(self):
-        """A machine with the probed build of the program."""
-        from plcruntime.plc import build
+    def prepare(self) -> None:
+        """Compile the probed build in the background, so that the first step need not wait for it."""
+        if self._plc.origin is not None:
+            worker = ThreadPoolExecutor(1, "scancycle build")
+            self._ahead = worker.submit(self._compile)
+            worker.shutdown(wait=False)
 
+    def _compile(self) -> Program:
+        from plcruntime.plc import build
+        from stcore.machine import load_module
+
+        source, config, strict = self._plc.origin
+        program, _ = build(source, config, strict=strict, probes=True)
+        load_module(program.wasm)  # to machine code, kept in the cache
+        return program
+
+    def _build(self):
+        """A machine with the probed build of the program."""
         plc = self._plc
         if plc.origin is None:
             raise UsageError("breakpoints and statement steps need a program that was loaded from its source")
-        source, config, strict = plc.origin
-        program, _ = build(source, config, strict=strict, probes=True)
+        ahead, self._ahead = self._ahead, None
+        program = ahead.result() if ahead else self._compile()
         if program.image != plc.program.image or program.image_end != plc.program.image_end:
             raise UsageError("the source has changed since it was loaded; leave and load it again")
         self.breakpoints.program = program

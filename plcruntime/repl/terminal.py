@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator
 
 from prompt_toolkit import PromptSession
@@ -38,6 +39,8 @@ def _history(session: Session) -> History:
 def lines(session: Session) -> Iterator[str]:
     """What the user types, until Ctrl-D. Ctrl-C clears the line."""
     session.interactive = True
+    session.debugger.prepare()
+    threading.Thread(target=_warm, name="scancycle imports", daemon=True).start()
     prompt = PromptSession(history=_history(session), completer=_Completer(session), complete_while_typing=True)
     while True:
         try:
@@ -46,6 +49,13 @@ def lines(session: Session) -> Iterator[str]:
             continue
         except EOFError:
             return
+
+
+def _warm() -> None:
+    """What the first answers would else wait for."""
+    import numpy  # noqa: F401
+
+    import stcore.side  # noqa: F401
 
 
 def _text(session: Session) -> str:

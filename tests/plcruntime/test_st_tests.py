@@ -235,3 +235,10 @@ def test_an_assertion_outside_of_tests_is_a_fault_at_its_own_line(folder, capsys
     assert main(["run", "prog.st", "--scans", "10"]) == 1
     err = capsys.readouterr().err
     assert "prog.st:4:" in err and "x grows" in err
+
+
+def test_the_tests_of_the_page_pass(tmp_path):
+    page = (Path(__file__).parents[2] / "docs" / "testing.md").read_text(encoding="utf-8")
+    (tmp_path / "test_page.st").write_text(page.split("```iecst\n")[1].split("```")[0])
+    file = TestFile(tmp_path / "test_page.st")
+    assert [file.run(t).message for t in file.tests] == ["", ""]

@@ -226,3 +226,12 @@ def test_help_names_every_command(prompt):
     assert all(name in text for name in COMMANDS)
     for name in COMMANDS:
         assert prompt(f"help {name}").startswith(COMMANDS[name].usage)
+
+
+def test_the_page_names_every_command():
+    from pathlib import Path
+
+    from plcruntime.repl.commands import COMMANDS
+
+    page = (Path(__file__).parents[3] / "docs" / "repl.md").read_text(encoding="utf-8")
+    assert [name for name in COMMANDS if f"`{name}" not in page] == []
