@@ -128,6 +128,8 @@ class Names(Conversions):
             return self.wrong(node)
         if isinstance(kind, t.Struct | t.Block):
             return self._field(node, kind, name)
+        if isinstance(kind, t.Enum) and key(kind.name) == key(self.text(base)):
+            return self._enum_value(node, kind)  # color : Color := Color.red, where the variable hides its type
         if isinstance(kind, t.Pointer) and isinstance(kind.target, t.Struct | t.Block):
             self.error("E0307", node, name=node.name, base=self.text(base))
             return self.wrong(node)
