@@ -26,6 +26,7 @@ class Pending:
     library: bool
     extra: object = None  # the section of a global; the type name of an enum value; a GlobalList
     symbol: object = None
+    early: object = None  # the symbol while it is being resolved: for pointers to it, and values of an enumeration
     busy: bool = False
     at: int = 0  # where the name stands
 
@@ -85,7 +86,7 @@ class Declarer:
             return symbol.type
         if symbol is not None:
             self.error("E0204", node, name=node.name)
-        else:
+        elif self._being_declared(node.name) is None:  # else it contains itself, which has been said
             known = [n for n in t.ELEMENTARY if not n.startswith("ANY")] + self.project.known_names(self.library)
             self.error("E0202", node, name=node.name, near=near(node.name, known))
         return t.ERROR
@@ -94,8 +95,8 @@ class Declarer:
         """A pointer may lead to a type that is still being declared: a list's next element."""
         if isinstance(node, s.NamedType):
             entry = self._being_declared(node.name)
-            if entry is not None and entry.symbol is not None:
-                return entry.symbol.type
+            if entry is not None and entry.early is not None:
+                return entry.early.type
         return self.type(node, pou=pou)
 
     def _integer(self, node: s.Node, pou: Pou | None, default: int) -> int:
@@ -130,7 +131,7 @@ class Declarer:
         enum = t.Enum(name, base, {})
         entry = self._being_declared(name)
         if entry is not None:
-            entry.symbol = TypeName(enum)  # a value may be worked out from those before it
+            entry.early = TypeName(enum)  # a value may be worked out from those before it
         number = 0
         for item, _, value in node.items:
             if value is not None:
@@ -151,8 +152,7 @@ class Declarer:
         struct = t.Struct(name, {}, union)
         entry = self._being_declared(name)
         if entry is not None:
-            entry.symbol = TypeName(struct)  # for pointers to itself
-            entry.symbol = None if self._contains_itself(node, name) else entry.symbol
+            entry.early = TypeName(struct)
         if not union and node.extends:
             base = self.named(s.NamedType(node.start, node.end, node.extends, None), pou)
             if isinstance(base, t.Struct):
@@ -176,15 +176,6 @@ class Declarer:
             struct.align = max(struct.align, kind.align)
         struct.size = align(max(struct.size, 1), struct.align)
         return struct
-
-    @staticmethod
-    def _contains_itself(node: s.Node, name: str) -> bool:
-        def direct(kind: s.Node) -> bool:
-            if isinstance(kind, s.ArrayOf):
-                return direct(kind.element)
-            return isinstance(kind, s.NamedType) and key(kind.name) == key(name)
-
-        return any(direct(d.type) for d in node.fields_)
 
     def initial(self, decl: s.VarDecl, pou: Pou | None) -> Init | None:
         """What a declaration says of the initial value: its own, or its type's."""
@@ -266,6 +257,7 @@ class Declarer:
             pou.type = t.Block(tree.name, tree.kind, file=self.source.path, attributes=tree.attributes)
             self.project.block_pous[pou.type] = pou
             self.project.named_types[key(tree.name)] = pou.type
+            entry.early = pou
             self._variables(pou)
             self._lay_out(pou)
         self.project.pous.append(pou)
@@ -295,7 +287,7 @@ class Declarer:
             var = self.project.lookup(decl.name, self.library)
             if not isinstance(var, Var):
                 self.error("E0208", decl, name=decl.name)
-                return
+                var = made[id(decl)] = Var(decl.name, t.ERROR, "global", decl=decl)
             pou.variables[name] = var
             return
         var = self._var(decl, section, pou)

@@ -192,7 +192,7 @@ class Project:
                 entry.symbol = TypeName(self._type_decl(entry))
             case "enum value":
                 holder = (self.library if entry.library else self.user)[key(entry.extra)]
-                symbol = self._resolve(holder)
+                symbol = holder.early if holder.busy else self._resolve(holder)
                 name = key(next(n for n, at, _ in entry.tree.type.items if at == entry.at))
                 if symbol is not None:
                     number = {key(n): v for n, v in symbol.type.values.items()}.get(name)

@@ -79,7 +79,7 @@ class Expressions(Names):
         if node.op == "**":
             return self.power(node)
         kind = common(node.left.type, node.right.type)
-        if kind is None or node.op == "MOD" and kind_of(kind) == "real":
+        if kind is None or kind.kind not in NUMERIC or node.op == "MOD" and kind_of(kind) == "real":
             return self._refused(node)
         return self._arithmetic(node, kind)
 

@@ -197,7 +197,8 @@ class Maker:
             "+": lambda x, y: x + y, "-": lambda x, y: x - y, "*": lambda x, y: x * y, "AND": lambda x, y: x & y,
             "OR": lambda x, y: x | y, "XOR": lambda x, y: x ^ y,
         }[op]  # fmt: skip
-        return make(kind, f"({{}} {op} {{}})", [a, b], lambda x, y: wrap(operation(x, y), room), room)
+        narrow = op in ("AND", "OR", "XOR") and all(x.literal or x.held is x.kind for x in (a, b))
+        return make(kind, f"({{}} {op} {{}})", [a, b], lambda x, y: wrap(operation(x, y), room), kind if narrow else room)
 
     def literal_but_zero(self) -> Expr:
         value = self.random.randint(1, 100)

@@ -25,11 +25,17 @@ class Run:
         self.program, _ = build([Source(text, path)], None, [LIBRARY], False)
         self.machine = Machine(self.program, host)
 
+    def _place(self, path: str) -> paths.Place:
+        try:
+            return paths.resolve(self.program, f"PLC_PRG.{path}")
+        except paths.PathError:
+            return paths.resolve(self.program, path)
+
     def __getitem__(self, path: str):
-        return values.read(self.machine.memory, paths.resolve(self.program, path))
+        return values.read(self.machine.memory, self._place(path))
 
     def __setitem__(self, path: str, value) -> None:
-        place = paths.resolve(self.program, path)
+        place = self._place(path)
         for address, data in values.encode(self.machine.memory, place, value):
             self.machine.memory[address : address + len(data)] = data
 
