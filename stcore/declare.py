@@ -26,6 +26,7 @@ class Pending:
     library: bool
     extra: object = None  # the section of a global; the type name of an enum value; a GlobalList
     symbol: object = None
+    early: object = None  # the symbol while it is being resolved: for pointers to it, and values of an enumeration
     busy: bool = False
     at: int = 0  # where the name stands
 
@@ -56,9 +57,7 @@ class Declarer:
                 length = 80 if node.length is None else self._integer(node.length, pou, 80)
                 return t.String(min(max(length, 1), 65535), node.wide)
             case s.ArrayOf():
-                element = self.type(node.element, pou=pou)
-                bounds = self._bounds(node, pou)
-                return t.Array(element, bounds, 0 if bounds else len(node.dims))
+                return self._array(node, pou)
             case s.PointerTo():
                 return t.Pointer(self._pointee(node.target, pou))
             case s.ReferenceTo():
@@ -87,7 +86,7 @@ class Declarer:
             return symbol.type
         if symbol is not None:
             self.error("E0204", node, name=node.name)
-        else:
+        elif self._being_declared(node.name) is None:  # else it contains itself, which has been said
             known = [n for n in t.ELEMENTARY if not n.startswith("ANY")] + self.project.known_names(self.library)
             self.error("E0202", node, name=node.name, near=near(node.name, known))
         return t.ERROR
@@ -95,10 +94,9 @@ class Declarer:
     def _pointee(self, node: s.Node, pou: Pou | None) -> t.Type:
         """A pointer may lead to a type that is still being declared: a list's next element."""
         if isinstance(node, s.NamedType):
-            table = self.project.library if self.library else self.project.user
-            entry = table.get(key(node.name))
-            if entry is not None and entry.busy and entry.symbol is not None:
-                return entry.symbol.type
+            entry = self._being_declared(node.name)
+            if entry is not None and entry.early is not None:
+                return entry.early.type
         return self.type(node, pou=pou)
 
     def _integer(self, node: s.Node, pou: Pou | None, default: int) -> int:
@@ -107,6 +105,14 @@ class Declarer:
             self.error("E0601", node)
             return default
         return value
+
+    def _array(self, node: s.ArrayOf, pou: Pou | None) -> t.Array:
+        element = self.type(node.element, pou=pou)
+        bounds = self._bounds(node, pou)
+        array = t.Array(element, bounds, 0 if bounds else len(node.dims))
+        if isinstance(node.element, s.NamedType) and key(node.element.name) in self.project.type_inits:
+            self.project.element_inits[array] = self.project.type_inits[key(node.element.name)]
+        return array
 
     def _bounds(self, node: s.ArrayOf, pou: Pou | None) -> list[tuple[int, int]]:
         bounds = []
@@ -122,25 +128,31 @@ class Declarer:
 
     def _enum(self, node: s.EnumDef, name: str, pou: Pou | None) -> t.Enum:
         base = t.base_of(self.named(s.NamedType(node.start, node.end, node.base, None), pou)) if node.base else t.INT
-        values: dict[str, int] = {}
+        enum = t.Enum(name, base, {})
+        entry = self._being_declared(name)
+        if entry is not None:
+            entry.early = TypeName(enum)  # a value may be worked out from those before it
         number = 0
         for item, _, value in node.items:
             if value is not None:
-                known = {key(n): v for n, v in values.items()}
-                earlier = known.get(key(value.name)) if isinstance(value, s.Name) else None
-                number = earlier if earlier is not None else self._integer(value, pou, number)
-            values[item] = number
+                number = self._integer(value, pou, number)
+            enum.values[item] = number
+            if pou is not None:
+                pou.enum_names[key(item)] = EnumValue(enum, number)
             number += 1
-        return t.Enum(name, base, values)
+        return enum
+
+    def _being_declared(self, name: str) -> Pending | None:
+        """The declaration of a type of this name that is being resolved now."""
+        entry = (self.project.library if self.library else self.project.user).get(key(name))
+        return entry if entry is not None and entry.busy else None
 
     def _struct(self, node: s.StructDef | s.UnionDef, name: str, pou: Pou | None) -> t.Struct:
         union = isinstance(node, s.UnionDef)
         struct = t.Struct(name, {}, union)
-        table = self.project.library if self.library else self.project.user
-        entry = table.get(key(name))
-        if entry is not None and entry.busy:
-            entry.symbol = TypeName(struct)  # for pointers to itself
-            entry.symbol = None if self._contains_itself(node, name) else entry.symbol
+        entry = self._being_declared(name)
+        if entry is not None:
+            entry.early = TypeName(struct)
         if not union and node.extends:
             base = self.named(s.NamedType(node.start, node.end, node.extends, None), pou)
             if isinstance(base, t.Struct):
@@ -164,15 +176,6 @@ class Declarer:
             struct.align = max(struct.align, kind.align)
         struct.size = align(max(struct.size, 1), struct.align)
         return struct
-
-    @staticmethod
-    def _contains_itself(node: s.Node, name: str) -> bool:
-        def direct(kind: s.Node) -> bool:
-            if isinstance(kind, s.ArrayOf):
-                return direct(kind.element)
-            return isinstance(kind, s.NamedType) and key(kind.name) == key(name)
-
-        return any(direct(d.type) for d in node.fields_)
 
     def initial(self, decl: s.VarDecl, pou: Pou | None) -> Init | None:
         """What a declaration says of the initial value: its own, or its type's."""
@@ -231,9 +234,6 @@ class Declarer:
             var.read_only = "it is a CONSTANT"
         if isinstance(kind, t.Array) and not kind.bounds and section.kind != "VAR_IN_OUT":
             self.error("E0207", decl, name=decl.name)
-        if pou is not None and isinstance(decl.type, s.EnumDef):
-            for item, number in kind.values.items():
-                pou.enum_names[key(item)] = EnumValue(kind, number)
         return var
 
     # -------------------------------------------------------------------------------------------- POUs
@@ -257,6 +257,7 @@ class Declarer:
             pou.type = t.Block(tree.name, tree.kind, file=self.source.path, attributes=tree.attributes)
             self.project.block_pous[pou.type] = pou
             self.project.named_types[key(tree.name)] = pou.type
+            entry.early = pou
             self._variables(pou)
             self._lay_out(pou)
         self.project.pous.append(pou)
@@ -286,7 +287,7 @@ class Declarer:
             var = self.project.lookup(decl.name, self.library)
             if not isinstance(var, Var):
                 self.error("E0208", decl, name=decl.name)
-                return
+                var = made[id(decl)] = Var(decl.name, t.ERROR, "global", decl=decl)
             pou.variables[name] = var
             return
         var = self._var(decl, section, pou)

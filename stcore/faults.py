@@ -47,6 +47,10 @@ def locate(program: Program, memory: memoryview, code: str, frames: list[tuple[i
     """The fault of a trap. frames: (function index, offset in the module), innermost first."""
     bodies = _Bodies(program.wasm)
     sites = [s for s in (_site(program, bodies, offset) for _, offset in frames) if s is not None]
+    whole = len(sites) < len(frames)  # the scan loop has no site; of a deep nesting the outer frames are not known
+    if len(sites) > 1 and sites[0].code == "F0105":
+        sites = sites[1:]  # the call, not the function that had no room
+        code = "F0105"
     site = sites[0] if sites else None
     if not code:
         code = site.code if site and site.code else "F0107"
@@ -60,7 +64,8 @@ def locate(program: Program, memory: memoryview, code: str, frames: list[tuple[i
     entry = CODES[code]
     named = {"value": values, "low": low, "high": high, "what": what, "cause": cause}
     scan = struct.unpack_from("<q", memory, SCAN)[0]
-    return Fault(code, entry.message.format(**named), site, _path(sites), scan, entry.hint.format(**named), sites)
+    path = _path(sites) if whole else f"...{_path(sites)}"
+    return Fault(code, entry.message.format(**named), site, path, scan, entry.hint.format(**named), sites)
 
 
 def _path(sites: list[Site]) -> str:

@@ -48,6 +48,8 @@ class Project:
         self.configurations: list[tuple[s.Configuration, Source]] = []
         self.type_inits: dict[str, Init] = {}
         self.field_inits: dict[t.Field, Init] = {}
+        self.array_inits: dict[t.Array, Init] = {}  # of a named array type
+        self.element_inits: dict[t.Array, Init] = {}  # of elements whose named type has an initial value
         self.block_pous: dict[t.Block, Pou] = {}
         self.named_types: dict[str, t.Type] = {}
         self.needs: list[str] = []  # library programs that a global list brings along
@@ -190,10 +192,11 @@ class Project:
                 entry.symbol = TypeName(self._type_decl(entry))
             case "enum value":
                 holder = (self.library if entry.library else self.user)[key(entry.extra)]
-                symbol = self._resolve(holder)
+                symbol = holder.early if holder.busy else self._resolve(holder)
                 name = key(next(n for n, at, _ in entry.tree.type.items if at == entry.at))
-                number = {key(n): v for n, v in symbol.type.values.items()}.get(name)
-                entry.symbol = EnumValue(symbol.type, number)
+                if symbol is not None:
+                    number = {key(n): v for n, v in symbol.type.values.items()}.get(name)
+                    entry.symbol = None if number is None else EnumValue(symbol.type, number)
             case "global":
                 entry.symbol = Declarer(self, entry.source, entry.library).global_variable(entry)
         entry.busy = False
@@ -204,6 +207,8 @@ class Project:
         made = Declarer(self, entry.source, entry.library).type(tree.type, tree.name)
         if tree.init is not None:
             self.type_inits[key(tree.name)] = Init(tree.init, entry.source, None, entry.library)
+            if isinstance(made, t.Array) and not isinstance(tree.type, s.NamedType):
+                self.array_inits[made] = self.type_inits[key(tree.name)]
         elif isinstance(tree.type, s.NamedType) and key(tree.type.name) in self.type_inits:
             self.type_inits[key(tree.name)] = self.type_inits[key(tree.type.name)]
         self.named_types[key(tree.name)] = made

@@ -124,6 +124,15 @@ class Builtin:
 
 
 @dataclass(eq=False, slots=True)
+class BuiltinCall:
+    """A checked call of a built-in function: operation type and arguments, in order."""
+
+    name: str
+    kind: Type
+    args: list[s.Node]
+
+
+@dataclass(eq=False, slots=True)
 class ActionOf:
     """An action of a program or block: `base` is the instance expression, None for the running one."""
 

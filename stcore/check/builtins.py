@@ -9,24 +9,15 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from functools import reduce
 
 from stcore import syntax as s
 from stcore import types as t
 from stcore.check.conversions import INTEGER, common, convert_value, kind_of
-from stcore.check.fold import saturate, wrap
-from stcore.scope import Convert, Pou, TypeName, Var
+from stcore.check.fold import computing_type, saturate, wrap
+from stcore.scope import BuiltinCall, Convert, Pou, TypeName, Var
 
 _CONVERSION = re.compile(r"(?:([A-Z_]+?|[A-Z]+)_)?TO_([A-Z_]+)$")
-
-
-@dataclass(eq=False, slots=True)
-class BuiltinCall:
-    """A checked call of a built-in function: operation type and arguments, in order."""
-
-    name: str
-    kind: t.Type
-    args: list[s.Node]
 
 
 def conversion_types(name: str) -> tuple[t.Elementary | None, t.Elementary] | None:
@@ -129,11 +120,20 @@ def _same_type(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Node
     constants = [v.const for v in values]
     if None not in constants:
         node.const = {
-            "MIN": lambda: min(constants),
-            "MAX": lambda: max(constants),
-            "LIMIT": lambda: min(max(constants[1], constants[0]), constants[2]),
+            "MIN": lambda: reduce(lower, constants),
+            "MAX": lambda: reduce(higher, constants),
+            "LIMIT": lambda: lower(higher(constants[1], constants[0]), constants[2]),
         }[name]()
     return _done(node, name, kind, kind, values)
+
+
+def lower(a, b):
+    """The lower one; b when they can't be told apart or one is NaN, as the module has it."""
+    return a if a < b else b
+
+
+def higher(a, b):
+    return a if a > b else b
 
 
 def _abs(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
@@ -144,6 +144,8 @@ def _abs(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
         return checker.wrong(node)
     if value.const is not None:
         node.const = abs(value.const)
+        if kind_of(value.type) in INTEGER:
+            node.const = wrap(node.const, computing_type(t.base_of(value.type)))
     elif kind_of(value.type) == "literal":
         value = checker.settle(value)
     return _done(node, name, t.base_of(value.type), t.base_of(value.type), [value])
@@ -195,7 +197,7 @@ def _shift(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
         return checker.wrong(node)
     kind = t.base_of(value.type)
     if value.const is not None and isinstance(count.const, int) and count.const >= 0:
-        node.const = _shifted(name, value.const, count.const, kind)
+        node.const = _shifted(name, wrap(value.const, kind), count.const, kind)
     return _done(node, name, kind, kind, [value, count])
 
 
@@ -250,11 +252,18 @@ def _adr(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
     return _done(node, name, value.type, t.Pointer(value.type), [value])
 
 
+def _elementary(checker, node: s.Node) -> t.Elementary | None:
+    """SIZEOF(INT): the type, where no variable has its name."""
+    if not isinstance(node, s.Name) or checker.lookup(node.name) is not None:
+        return None
+    return t.ELEMENTARY.get(t.ALIASES.get(node.name.upper(), node.name.upper()))
+
+
 def _sizeof(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
-    value = checker.expr(values[0])
-    kind = value.symbol.type if isinstance(value.symbol, TypeName | Pou) else value.type
-    if kind is None and isinstance(value, s.Name) and value.name.upper() in t.ELEMENTARY:
-        kind = t.ELEMENTARY[value.name.upper()]
+    kind = _elementary(checker, values[0])
+    if kind is None:
+        value = checker.expr(values[0])
+        kind = value.symbol.type if isinstance(value.symbol, TypeName | Pou) else value.type
     if kind is None or kind is t.ERROR:
         return checker.wrong(node)
     node.const = kind.size

@@ -94,6 +94,10 @@ class Conversions(Printed):
             return self._wrapped(node, target)
         if isinstance(base, t.Elementary) and isinstance(goal, t.Elementary):
             return self._convert_elementary(node, base, goal, target)
+        if isinstance(goal, t.Elementary) and goal.kind == "char" and isinstance(node.const, str) and len(node.const) == 1:
+            made = self._literal(node, ord(node.const))
+            made.type = target
+            return made
         if self._compatible_aggregates(node, source, target):
             return self._wrapped(node, target) if isinstance(target, t.String | t.Pointer) else node
         if isinstance(target, t.String) and target.wide and isinstance(node.const, str):
@@ -105,7 +109,8 @@ class Conversions(Printed):
     def _wrapped(self, node: s.Node, target: t.Type) -> s.Node:
         made = Convert(node.start, node.end, node)
         made.type = target
-        made.const = node.const if isinstance(node.const, str) else None
+        if isinstance(node.const, str):
+            made.const = node.const[: target.length] if isinstance(target, t.String) else node.const
         base, goal = t.base_of(node.type), t.base_of(target)
         if node.const is not None and isinstance(base, t.Elementary) and isinstance(goal, t.Elementary):
             made.const = convert_value(node.const, base, goal)
@@ -185,8 +190,6 @@ class Conversions(Printed):
                 return source is t.NULL or source.kind in INTEGER and source.size >= 4
             case t.Elementary(), t.String():
                 return source.kind == "char" and (source.size == 2) == target.wide
-            case t.String(), t.Elementary():
-                return target.kind == "char" and isinstance(node.const, str) and len(node.const) == 1
         return False
 
     def _refuse(self, node: s.Node, source: t.Type, target: t.Type, what: str) -> None:

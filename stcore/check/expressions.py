@@ -5,8 +5,9 @@ from __future__ import annotations
 from stcore import syntax as s
 from stcore import types as t
 from stcore.check.conversions import INTEGER, NUMERIC, common, kind_of
-from stcore.check.fold import COMPARISONS, LOGIC, arithmetic, computing_type, wrap
+from stcore.check.fold import COMPARISONS, LOGIC, arithmetic, computing_type, logic, wrap
 from stcore.check.names import Names
+from stcore.check.width import held
 from stcore.scope import Convert
 
 
@@ -44,6 +45,9 @@ class Expressions(Names):
         if kind is t.ERROR:
             return node
         name = kind_of(kind)
+        if node.op == "-" and name in INTEGER and not kind.signed:
+            node.type = kind = t.DINT if kind.size <= 4 else t.LINT
+            node.operand = operand = self._widen(operand, kind)
         if node.op == "NOT":
             if name not in ("bool", *INTEGER) and kind is not t.INT_LITERAL:
                 self.error("E0316", node, op="NOT", type=operand.type)
@@ -57,11 +61,6 @@ class Expressions(Names):
             node.const = -operand.const if node.op == "-" else operand.const
             if name in INTEGER:
                 node.const = wrap(node.const, computing_type(kind))
-        if node.op == "-" and name in ("bits", "int") and not kind.signed and node.const is None:
-            node.type = t.DINT if kind.size <= 4 else t.LINT
-            node.operand = self.convert(operand, node.type) if kind.size >= 4 else operand
-        elif node.op == "-" and name in ("bits", "int") and node.const is not None and not kind.signed:
-            node.type = t.INT_LITERAL
         return node
 
     def binary(self, node: s.Binary) -> s.Node:
@@ -80,7 +79,7 @@ class Expressions(Names):
         if node.op == "**":
             return self.power(node)
         kind = common(node.left.type, node.right.type)
-        if kind is None or node.op == "MOD" and kind_of(kind) == "real":
+        if kind is None or kind.kind not in NUMERIC or node.op == "MOD" and kind_of(kind) == "real":
             return self._refused(node)
         return self._arithmetic(node, kind)
 
@@ -118,6 +117,8 @@ class Expressions(Names):
             kind = t.DINT
         if kind.kind in INTEGER and kind.size <= 4:
             kind = self._room(kind, node)
+            if node.op in ("/", "MOD"):
+                kind = self._quotient_type(kind, node)
         node.type = kind
         if right == 0 and node.op in ("/", "MOD") and kind.kind != "real" and kind is not t.REAL_LITERAL:
             self.error("E0603", node.right, op=node.op)
@@ -138,6 +139,13 @@ class Expressions(Names):
                 elif not (0 <= side.const <= t.UDINT.high):
                     kind = t.LINT
         return kind
+
+    @staticmethod
+    def _quotient_type(kind: t.Elementary, node: s.Binary) -> t.Elementary:
+        """UDINT beside a signed number: only LINT holds both, and here the sign matters in every bit of the result."""
+        kinds = [held(x) for x in (node.left, node.right) if x.type is not t.INT_LITERAL]
+        mixed = len({k.signed for k in kinds}) == 2
+        return t.LINT if mixed and any(k.size == 4 and not k.signed for k in kinds) else kind
 
     def power(self, node: s.Binary) -> s.Node:
         """a ** b: LREAL or REAL by the library's EXPT, whatever the operands (IEC 61131-3, table 29)."""
@@ -173,15 +181,32 @@ class Expressions(Names):
         return node
 
     def _compare_numbers(self, node: s.Binary, number: t.Elementary) -> None:
-        sides = [t.base_of(node.left.type), t.base_of(node.right.type)]
-        signs = {x.signed for x in sides if x.kind in INTEGER}
-        large = any(not x.signed and x.size == 4 for x in sides if x.kind in INTEGER)
-        if len(signs) == 2 and large and number.size < 8:
-            number = t.LINT  # so that a large UDINT is not a negative DINT
-        if number.kind == "literal":
-            node.left, node.right = self.settle(node.left), self.settle(node.right)
+        """Integers are compared by what they are worth, whatever their types."""
+        if number.kind not in INTEGER:
+            if number.kind == "literal":
+                node.left, node.right = self.settle(node.left), self.settle(node.right)
+            else:
+                self._operands(node, number)
+            return
+        left, right = (self._settle_beside(x, number) for x in (node.left, node.right))
+        kinds = held(left), held(right)
+        if len({k.signed for k in kinds}) == 1:
+            number = max(kinds, key=lambda k: k.size)
+        elif any(k.size == 8 and not k.signed for k in kinds):  # no type holds both: the emitter looks at the sign
+            node.left, node.right = (
+                self._widen(x, t.LINT if k.signed else t.ULINT) for x, k in zip((left, right), kinds, strict=True)
+            )
+            return
         else:
-            self._operands(node, self._room(number, node) if number.kind in INTEGER else number)
+            number = t.LINT if any(k.size >= 4 and not k.signed or k.size == 8 for k in kinds) else t.DINT
+        node.left, node.right = left, right
+        self._operands(node, number)
+
+    def _settle_beside(self, node: s.Node, number: t.Elementary) -> s.Node:
+        """A literal gets the other side's type if that holds it."""
+        if node.type is not t.INT_LITERAL:
+            return node
+        return self.convert(node, number) if number.low <= (node.const or 0) <= number.high else self.settle(node)
 
     def _compare_enums(self, node: s.Binary) -> None:
         for side in ("left", "right"):
@@ -234,7 +259,7 @@ class Expressions(Names):
             if node.type.kind != "literal":
                 self._operands(node, node.type)
         if node.left.const is not None and node.right.const is not None:
-            node.const = LOGIC[node.op](node.left.const, node.right.const)
+            node.const = logic(node.op, node.left.const, node.right.const, node.type)
         return node
 
     def _time_arithmetic(self, node: s.Binary) -> s.Node:

@@ -24,6 +24,14 @@ LOGIC = {
 }
 
 
+def logic(op: str, a, b, kind: t.Elementary):
+    """a op b of BOOL or of the bits of `kind`."""
+    if kind.kind not in ("int", "bits"):
+        return LOGIC[op](a, b)
+    room = computing_type(kind)
+    return wrap(LOGIC[op](wrap(a, room), wrap(b, room)), room)
+
+
 def wrap(value: int, kind: t.Elementary) -> int:
     """Keep the low bits of an integer, as a store into `kind` does."""
     bits = kind.size * 8
@@ -68,9 +76,13 @@ def _divide(a: int, b: int) -> int:
 
 def arithmetic(op: str, a, b, kind: t.Elementary):
     """a op b in `kind`; None when it has no value (integer division by zero)."""
+    if kind is t.REAL:
+        result = _real(op, single(float(a)), single(float(b)))
+        return None if result is None else single(result)
     if kind.kind == "real" or kind is t.REAL_LITERAL:
-        result = _real(op, float(a), float(b))
-        return single(result) if kind is t.REAL else result
+        return _real(op, float(a), float(b))
+    if kind is not t.INT_LITERAL:
+        a, b = wrap(a, computing_type(kind)), wrap(b, computing_type(kind))
     if op in ("/", "MOD") and b == 0:
         return None
     if op == "**":

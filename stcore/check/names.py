@@ -128,6 +128,8 @@ class Names(Conversions):
             return self.wrong(node)
         if isinstance(kind, t.Struct | t.Block):
             return self._field(node, kind, name)
+        if isinstance(kind, t.Enum) and key(kind.name) == key(self.text(base)):
+            return self._enum_value(node, kind)  # color : Color := Color.red, where the variable hides its type
         if isinstance(kind, t.Pointer) and isinstance(kind.target, t.Struct | t.Block):
             self.error("E0307", node, name=node.name, base=self.text(base))
             return self.wrong(node)
@@ -273,7 +275,7 @@ class Names(Conversions):
                     if not node.symbol.by_reference:
                         self._mark(node.base, whole, write, addressed)
                 else:
-                    self.error("E0319", whole, name=self.text(whole))
+                    self._no_variable(whole)
             case s.Index() if isinstance(node.base.type, t.Pointer):
                 self._outside(write)
             case s.Index():
@@ -284,10 +286,16 @@ class Names(Conversions):
                 self._outside(write)
             case s.Name() if isinstance(node.symbol, Pou) or node.symbol == "this":
                 self._outside(write)
+            case s.Call() if write and not addressed:
+                self._no_variable(whole)
             case s.Call() if node.type is not None and t.is_aggregate(node.type):
                 self._outside(write)
             case _:
-                self.error("E0319", whole, name=self.text(whole))
+                self._no_variable(whole)
+
+    def _no_variable(self, node: s.Node) -> None:
+        self.error("E0319", node, name=self.text(node))
+        self.wrong(node)
 
     def _outside(self, write: bool) -> None:
         if write and self.pou is not None:

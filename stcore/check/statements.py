@@ -144,6 +144,8 @@ class Statements(Calls):
                 if value.const == 0:
                     self.error("E0506", value)
                 # a step down is legal for an unsigned variable too
+            elif part == "step" and kind_of(value.type) in INTEGER:
+                pass  # as it is: a signed step may lead an unsigned variable down
             elif t.ERROR not in (kind, value.type):
                 value = self.convert(value, kind, f"{part} value of FOR")
             setattr(node, part, value)

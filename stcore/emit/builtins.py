@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 from stcore import syntax as s
 from stcore import types as t
-from stcore.check.builtins import BuiltinCall
 from stcore.emit.values import number, wasm_type
 from stcore.program import INTERVAL, NOW, SCAN
+from stcore.scope import BuiltinCall
 
 
 def _unsigned(kind: t.Type) -> bool:

@@ -4,31 +4,19 @@ from __future__ import annotations
 
 from stcore import syntax as s
 from stcore import types as t
-from stcore.check.builtins import BuiltinCall
 from stcore.check.calls import FunctionCall
 from stcore.check.conversions import common, kind_of
+from stcore.check.width import wide
 from stcore.emit import builtins, values
 from stcore.emit.places import Places
 from stcore.emit.ranges import range_of
 from stcore.emit.values import address, constant, load, number, wasm_type, wrap
 from stcore.program import NULL_PAGE
-from stcore.scope import Convert, Var
+from stcore.scope import BuiltinCall, Convert, Var
 
 _ARITHMETIC = {"+": "add", "-": "sub", "*": "mul"}
 _COMPARE = {"=": "eq", "<>": "ne", "<": "lt", "<=": "le", ">": "gt", ">=": "ge"}
 _LOGIC = {"AND": "and", "OR": "or", "XOR": "xor"}
-
-
-def wide(node: s.Node) -> bool:
-    """True if the emitted value may be outside its type: small integers computed in 32 bits."""
-    if node.const is not None or not isinstance(node, s.Binary | s.Unary):
-        return False
-    base = t.base_of(node.type)
-    if not isinstance(base, t.Elementary) or base.kind not in ("int", "bits") or base.size >= 4:
-        return False
-    if isinstance(node, s.Binary) and node.op in _LOGIC:
-        return wide(node.left) or wide(node.right)
-    return not (isinstance(node, s.Unary) and node.op == "+")
 
 
 class Expressions(Places):
@@ -88,7 +76,8 @@ class Expressions(Places):
         if node.op == "NOT":
             if kind.kind == "bool":
                 return f"(i32.eqz {operand})"
-            return f"({kind.wasm}.xor {operand} ({kind.wasm}.const -1))"
+            ones = -1 if kind.signed or kind.size >= 4 else kind.high
+            return f"({kind.wasm}.xor {self.narrow(node.operand)} ({kind.wasm}.const {ones}))"
         if node.op == "+":
             return operand
         if kind.kind == "real":
@@ -142,11 +131,33 @@ class Expressions(Places):
         a, b = self.value(left), self.value(right)
         if wasm[0] == "f":
             return f"({wasm}.{test} {a} {b})"
+        if wasm == "i64" and (sign := self._signs(left, right)):
+            return self._mixed(test, a, b, sign)
         if test in ("eq", "ne"):
             if test == "eq" and right.const in (0, False) and wasm == "i32":
                 return f"(i32.eqz {a})"
             return f"({wasm}.{test} {a} {b})"
         return f"({wasm}.{test}_{'u' if self._unsigned(left, right) else 's'} {a} {b})"
+
+    @staticmethod
+    def _signs(left: s.Node, right: s.Node) -> str:
+        """'su', 'us' where one of two 64-bit numbers is signed, else ''."""
+        signs = "".join("s" if t.base_of(x.type).signed else "u" for x in (left, right))
+        return signs if signs in ("su", "us") else ""
+
+    def _mixed(self, test: str, a: str, b: str, signs: str) -> str:
+        """Compare a signed with an unsigned number of 64 bits: a negative one is the smaller."""
+        x, y = self.temp("i64"), self.temp("i64")
+        both = f"(local.set {x} {a}) (local.set {y} {b})"
+        signed, unsigned = (x, y) if signs == "su" else (y, x)
+        if signs == "us":
+            test = {"lt": "gt", "le": "ge", "gt": "lt", "ge": "le"}.get(test, test)
+        op = test if test in ("eq", "ne") else test + "_u"
+        plain = f"(i64.{op} (local.get {signed}) (local.get {unsigned}))"
+        negative = f"(i64.lt_s (local.get {signed}) (i64.const 0))"
+        if test in ("ne", "lt", "le"):
+            return f"(block (result i32) {both} (i32.or {negative} {plain}))"
+        return f"(block (result i32) {both} (i32.and (i32.eqz {negative}) {plain}))"
 
     @staticmethod
     def _unsigned(left: s.Node, right: s.Node) -> bool:
@@ -207,8 +218,6 @@ class Expressions(Places):
             return self._pointer_bits(base, goal, text)
         if base.kind == "literal":
             base = t.LREAL if base is t.REAL_LITERAL else t.DINT
-        if goal.kind in ("bool",) or (base.size < 4 and goal.size < 4 and not goal.kind == "real" and not goal.signed):
-            text = wrap(base, text) if wide(node.operand) else text
         if base.size < 4 and goal.size < 4 and base.kind != "bool" and goal.kind not in ("real", "bool"):
             return wrap(goal, text)
         return values.convert(base, goal, text)
@@ -271,7 +280,11 @@ class Expressions(Places):
                 continue
             found = range_of(index, self.ranges)
             if low <= found[0] and found[1] <= high:
-                term, fixed = self.value(index), fixed - low * step
+                term = self.value(index)
+                if low < 0:  # base and offset of a load are added without wrapping: neither may be negative
+                    term = f"(i32.sub {term} (i32.const {low}))"
+                else:
+                    fixed -= low * step
             else:
                 term = self._checked_index(index, low, high)
             if step != 1:

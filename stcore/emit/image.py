@@ -55,11 +55,14 @@ class ImageBuilder:
     def __init__(self, project) -> None:
         self.project = project
         self._blocks: dict[t.Type, tuple[bytes, list[Late]]] = {}
+        self._open: set[t.Array] = set()  # arrays whose default is being made
 
     def of_type(self, kind: t.Type) -> tuple[bytes, list[Late]]:
         """The default of a type."""
         if isinstance(kind, t.Array):
-            data, late = self.of_type(kind.element)
+            if kind in self.project.array_inits and kind not in self._open:
+                return self._default_array(kind)
+            data, late = self._element(kind)
             count = kind.size // kind.element.size if kind.element.size else 0
             if not any(data):
                 data = b""
@@ -74,6 +77,20 @@ class ImageBuilder:
         if isinstance(kind, t.SubrangeType) and not kind.low <= 0 <= kind.high:
             return encode(kind.low, kind), []
         return bytes(kind.size), []
+
+    def _default_array(self, kind: t.Array) -> tuple[bytes, list[Late]]:
+        """What the named type of an array says; what it leaves out is as its elements are."""
+        init = self.project.array_inits[kind]
+        self._open.add(kind)
+        made = self.value(check_init(self.project, init, kind, False), kind, init)
+        self._open.discard(kind)
+        return made
+
+    def _element(self, kind: t.Array) -> tuple[bytes, list[Late]]:
+        init = self.project.element_inits.get(kind)
+        if init is None:
+            return self.of_type(kind.element)
+        return self.value(check_init(self.project, init, kind.element, False), kind.element, init)
 
     def _members(self, kind: t.Struct | t.Block) -> tuple[bytes, list[Late]]:
         image, late = bytearray(kind.size), []

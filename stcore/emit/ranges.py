@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from stcore import syntax as s
 from stcore import types as t
-from stcore.check.builtins import BuiltinCall
 from stcore.check.calls import BlockCall, FunctionCall
-from stcore.scope import ActionOf, Convert, Var
+from stcore.check.width import held
+from stcore.scope import ActionOf, BuiltinCall, Convert, Var
 
 Range = tuple[int, int]
 
@@ -24,15 +24,13 @@ def range_of(node: s.Node, known: dict[Var, Range]) -> Range:
             return inner if low <= inner[0] and inner[1] <= high else (low, high)
         case s.Binary() if node.op in ("+", "-", "*", "MOD", "/"):
             found = _binary(node, known)
-            low, high = _of_type(node.type)
-            if t.base_of(node.type).size < 4:
-                low, high = _of_type(t.DINT)
+            low, high = _of_type(held(node))
             return found if found and low <= found[0] and found[1] <= high else (low, high)
         case s.Binary() if node.op == "AND":
             highest = [r[1] for r in (range_of(node.left, known), range_of(node.right, known)) if r[0] >= 0]
             if highest:
                 return 0, min(highest)
-    return _of_type(node.type)
+    return _of_type(held(node))
 
 
 def _of_type(kind: t.Type) -> Range:

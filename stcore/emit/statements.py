@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from stcore import syntax as s
 from stcore import types as t
+from stcore.check.width import held, wide
 from stcore.emit.calls import Calls
-from stcore.emit.expressions import wide
-from stcore.emit.ranges import range_of, steady
+from stcore.emit.counting import Counting
+from stcore.emit.ranges import Range, range_of, steady
 from stcore.emit.values import address, constant, convert, load, number, store, wasm_type, wrap
 from stcore.program import INTERRUPT
 from stcore.scope import Var, key
@@ -197,38 +198,46 @@ class Statements(Calls):
         self.line(f"(br_if {top} (i32.eqz {self.value(node.condition)}))))")
 
     def for_(self, node: s.For) -> None:
-        """End and step are taken once; the counter goes one step past the end (reference/semantics.md).
-
-        The counter is kept in a wider local, so that a loop to the last value of the type ends.
-        """
+        """End and step are taken once; the variable ends one step past the end (reference/semantics.md)."""
         self.mark(node)
         kind = t.base_of(node.var.type)
         if kind is t.ERROR:
             return
-        var = node.var.symbol if isinstance(node.var, s.Name) and isinstance(node.var.symbol, Var) else None
-        last = range_of(node.last, self.ranges)
         step = node.step.const if node.step is not None else 1
+        last = range_of(node.last, self.ranges)
         roomy = kind.size < 4 or kind.size == 4 and step is not None and _fits(last, step, kind)
         wasm = "i32" if roomy else "i64"
-        counter, limit = self.keep(wasm), None
-        if node.last.const is None:
-            limit = self.keep(wasm)
-            self.line(f"(local.set {limit} {self._as(node.last, wasm)})")
-        end_value = f"(local.get {limit})" if limit else number(node.last.const, wasm)
-        step_value = number(step, wasm) if step is not None else f"(local.get {self._step(node, wasm)})"
+        counter = self.keep(wasm)
         self.line(f"(local.set {counter} {self._as(node.first, wasm)})")
-        stored = f"(local.get {counter})" if wasm == kind.wasm else f"(i32.wrap_i64 (local.get {counter}))"
-        stored = wrap(kind, stored) if var is not None and self.local_of(var) else stored
-        self.line(self.store_text(node.var, stored))
-        going_on = self._going_on(wasm, counter, end_value, step, step_value)
         first = range_of(node.first, self.ranges)
-        rounds = (max(last[1] - first[0], first[1] - last[0]) // abs(step) + 1) if step else QUICK + 1
-        self._for_loop(node, var, (counter, wasm, kind), going_on, step_value, stored, first, last, step, rounds)
+        self._show(node, counter, wasm)
+        end, by = self._once(node.last, wasm), self._once(node.step, wasm) if node.step else number(1, wasm)
+        self._for_loop(node, Counting(kind, wasm, f"(local.get {counter})", end, by, step), counter, first, last)
 
-    def _for_loop(self, node, var, held, going_on, step_value, stored, first, last, step, rounds) -> None:
-        counter, wasm, kind = held
+    def _once(self, node: s.Node, wasm: str) -> str:
+        """A value that is worked out before the loop begins."""
+        text = self._as(node, wasm)
+        if node.const is not None:
+            return text
+        held = self.keep(wasm)
+        self.line(f"(local.set {held} {text})")
+        return f"(local.get {held})"
+
+    def _show(self, node: s.For, counter: str, wasm: str) -> None:
+        """The counter into the variable."""
+        kind = t.base_of(node.var.type)
+        value = f"(local.get {counter})"
+        if wasm != kind.wasm:
+            value = f"(i32.wrap_i64 {value})"
+        in_local = isinstance(node.var.symbol, Var) and self.local_of(node.var.symbol)
+        self.line(self.store_text(node.var, wrap(kind, value) if in_local else value))
+
+    def _for_loop(self, node: s.For, counting: Counting, counter: str, first: Range, last: Range) -> None:
+        kind, wasm, step = counting.kind, counting.wasm, counting.step
+        var = node.var.symbol if isinstance(node.var, s.Name) and isinstance(node.var.symbol, Var) else None
+        rounds = (max(last[1] - first[0], first[1] - last[0]) // abs(step) + 1) if step else QUICK + 1
         end, top, next_ = self.label("end"), self.label("loop"), self.label("next")
-        self.line(f"(block {end} (br_if {end} (i32.eqz {going_on}))")
+        self.line(f"(block {end} (br_if {end} (i32.eqz {counting.inside()}))")
         self.line(f"(loop {top}")
         trusted = var is not None and step is not None and steady(var, node.body)
         outer = self.rounds
@@ -243,31 +252,26 @@ class Statements(Calls):
                 self.shadows = shadow | {var: counter}
         self._loop_body(node.body, end, next_)
         self.ranges, self.shadows, self.rounds = saved, shadow, outer
-        now = f"(local.get {counter})" if trusted else self._as(node.var, wasm)
-        self.line(f"(local.set {counter} ({wasm}.add {now} {step_value}))")
-        self.line(self.store_text(node.var, stored))
-        self.line(f"(br_if {top} {going_on})))")
+        if not trusted:
+            self.line(f"(local.set {counter} {self._as(node.var, wasm)})")
+        again = counting.inside()
+        if counting.tight:
+            again = f"(local.get {self._decided(counting.fits())})"
+        self.line(f"(local.set {counter} {counting.next()})")
+        self._show(node, counter, wasm)
+        self.line(f"(br_if {top} {again})))")
 
-    def _step(self, node: s.For, wasm: str) -> str:
-        held = self.keep(wasm)
-        self.line(f"(local.set {held} {self._as(node.step, wasm)})")
-        return held
-
-    @staticmethod
-    def _going_on(wasm: str, counter: str, end_value: str, step: int | None, step_value: str) -> str:
-        here = f"(local.get {counter})"
-        up, down = f"({wasm}.le_s {here} {end_value})", f"({wasm}.ge_s {here} {end_value})"
-        if step is not None:
-            return up if step > 0 else down
-        return f"(select {up} {down} ({wasm}.ge_s {step_value} {number(0, wasm)}))"
+    def _decided(self, test: str) -> str:
+        """A local with the result of a test."""
+        name = self.keep("i32")
+        self.line(f"(local.set {name} {test})")
+        return name
 
     def _as(self, node: s.Node, wasm: str) -> str:
         """An integer in the width of the loop's counter."""
         if node.const is not None:
-            return number(node.const, wasm)
-        base = t.base_of(node.type)
-        text = self.narrow(node)
-        return convert(base, t.LINT, text) if wasm == "i64" else text
+            return constant(node.const, t.LINT if wasm == "i64" else t.DINT)
+        return convert(held(node), t.LINT if wasm == "i64" else t.DINT, self.value(node))
 
     def exit(self, node: s.Exit) -> None:
         self.mark(node)

@@ -12,7 +12,9 @@ from stcore.check.conversions import TIME_UNIT
 def number(value: object, wasm: str) -> str:
     """A constant instruction."""
     if wasm[0] == "i":
-        return f"({wasm}.const {int(value)})"
+        bits = int(wasm[1:])
+        low = int(value) & ((1 << bits) - 1)
+        return f"({wasm}.const {low - (1 << bits) if low >> (bits - 1) else low})"
     value = float(value)
     if math.isnan(value):
         return f"({wasm}.const nan)"
@@ -25,13 +27,7 @@ def number(value: object, wasm: str) -> str:
 
 def constant(value: object, kind: t.Type) -> str:
     """A constant of an elementary type."""
-    base = t.base_of(kind)
-    wasm = base.wasm if isinstance(base, t.Elementary) else "i32"
-    if wasm == "i32" and int(value) >= 1 << 31:
-        value = int(value) - (1 << 32)
-    elif wasm == "i64" and int(value) >= 1 << 63:
-        value = int(value) - (1 << 64)
-    return number(value, wasm)
+    return number(value, wasm_type(kind))
 
 
 def wasm_type(kind: t.Type) -> str:
