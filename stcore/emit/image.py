@@ -82,7 +82,7 @@ class ImageBuilder:
         """What the named type of an array says; what it leaves out is as its elements are."""
         init = self.project.array_inits[kind]
         self._open.add(kind)
-        made = self.value(check_init(self.project, init, kind, False), kind, init)
+        made = self.value(check_init(self.project, init, kind), kind, init)
         self._open.discard(kind)
         return made
 
@@ -90,7 +90,7 @@ class ImageBuilder:
         init = self.project.element_inits.get(kind)
         if init is None:
             return self.of_type(kind.element)
-        return self.value(check_init(self.project, init, kind.element, False), kind.element, init)
+        return self.value(check_init(self.project, init, kind.element), kind.element, init)
 
     def _members(self, kind: t.Struct | t.Block) -> tuple[bytes, list[Late]]:
         image, late = bytearray(kind.size), []
