@@ -17,12 +17,14 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class Breakpoint:
-    """site: of the statement that it stops before. condition: ST, understood in the POU; None stops always."""
+    """site: of the statement that it stops before; sites: all of that place, one for each instance of a generic
+    function. condition: ST, understood in the POU; None stops always."""
 
     number: int
     pou: str
     line: int
     site: int
+    sites: set[int]
     condition: str | None = None
     hits: int = 0
 
@@ -48,8 +50,9 @@ class Breakpoints:
         if not below:
             last = max(self.program.sites[s].line for s in sites)
             raise UsageError(f"{pou} has no statement at line {line} or below; its last is at line {last}")
-        found, _, site = min(below)
-        point = Breakpoint(self._next, self.program.sites[site].pou, found, site, condition)
+        found, column, site = min(below)
+        same = {s for line, other, s in below if (line, other) == (found, column)}
+        point = Breakpoint(self._next, self.program.sites[site].pou, found, site, same, condition)
         self._next += 1
         self.points[point.number] = point
         return point
@@ -73,15 +76,16 @@ class Breakpoints:
             raise UsageError(f"there is no breakpoint {number}; there are {', '.join(map(str, self.points)) or 'none'}")
 
     def at(self, site: int) -> Breakpoint | None:
-        return next((p for p in self.points.values() if p.site == site), None)
+        return next((p for p in self.points.values() if site in p.sites), None)
 
     def write_flags(self, memory) -> None:
         """Mark the sites in the memory of the probed build."""
         program = self.program
-        start = program.probes + 4 * len(program.sites)
+        start = program.flags
         memory[start : start + len(program.sites)] = bytes(len(program.sites))
         for point in self.points.values():
-            memory[start + point.site] = 1
+            for site in point.sites:
+                memory[start + site] = 1
 
 
 def instance_path(program: Program, body: Body, address: int) -> str:

@@ -154,6 +154,7 @@ def _emit(
     program.routines = emitter.routines()
     if probes:
         program.bodies, program.probed, program.probes = emitter.bodies, list(emitter.probed), emitter.stack_top
+        program.branches = emitter.branches
     _variables(program, project, emitter)
     return program
 

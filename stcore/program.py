@@ -115,6 +115,17 @@ class Routine:
 
 
 @dataclass(slots=True)
+class Branch:
+    """A way that an IF or a CASE can take, counted in a probed build. site: of the statement; label: the condition, the
+    labels of a CASE, or ELSE (written or not); line: where the label stands."""
+
+    site: int
+    kind: str
+    label: str
+    line: int
+
+
+@dataclass(slots=True)
 class Body:
     """The code of a POU or an action in a probed build: what can be seen when it stops there.
 
@@ -168,7 +179,13 @@ class Program:
     routines: dict[str, Routine] = field(default_factory=dict)  # upper-case name -> POU in the module, the user's first
     bodies: list[Body] = field(default_factory=list)  # of a probed build
     probed: list[int] = field(default_factory=list)  # sites at which a probed build can stop: statements
-    probes: int = 0  # address of the sites' counts (4 bytes each) and flags (1 byte each); 0: not probed
+    branches: list[Branch] = field(default_factory=list)  # of a probed build
+    probes: int = 0  # address of the counts of sites, then of branches (4 bytes each), then the flags; 0: not probed
+
+    @property
+    def flags(self) -> int:
+        """Where the flags of the sites begin in a probed build, a byte each."""
+        return self.probes + 4 * (len(self.sites) + len(self.branches))
 
     @property
     def timed(self) -> list[TaskSpec]:

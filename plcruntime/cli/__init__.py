@@ -48,6 +48,9 @@ def _parser() -> argparse.ArgumentParser:
     test.add_argument("-x", action="store_true", help="stop at the first failure")
     test.add_argument("--watch", action="store_true", help="run again whenever an ST file changes")
     test.add_argument("--junit", metavar="OUT.xml", help="write the results as JUnit XML")
+    test.add_argument("--coverage", action="store_true", help="show which statements, branches and CASE states ran")
+    test.add_argument("--lcov", metavar="OUT.info", help="write the coverage for LCOV")
+    test.add_argument("--cobertura", metavar="OUT.xml", help="write the coverage as Cobertura XML")
     repl = _command(commands, "repl", "repl", "load, stop before the first scan, prompt")
     repl.add_argument("files", nargs="+", metavar="FILE", help="an .st file, a folder or a plc.toml")
     repl.add_argument("--config", metavar="PLC.TOML", help="project settings")
@@ -83,9 +86,16 @@ def _add_run(commands) -> None:
     add(
         "--trace",
         metavar="OUT",
-        help="one row a scan into .csv, .npz or .html: the watched variables, else all scalars",
+        help="one row a scan into .csv, .npz or .html: the watched variables, else all scalars; --watch '*': every one",
     )
     add("--plot", metavar="OUT", help="draw into .png, .svg or .html: the axes that moved and the watched variables")
+    add("--stimuli", action="append", default=[], metavar="FILE", help="a .csv or .toml of times, variables and values")
+    add("--trigger", metavar="EXPR", help="trace and plot only around the scan in which this ST expression first holds")
+    add("--pre", metavar="TIME", default="50ms", help="virtual time before the trigger (50ms)")
+    add("--post", metavar="TIME", default="200ms", help="virtual time after the trigger (200ms)")
+    add("--report", metavar="OUT.html", help="a page with plots, cursors, events and the program; needs no network")
+    add("--overlay", metavar="RUN.npz", help="draw the trace of another run behind that of the report")
+    add("--retain", metavar="FILE", help="read and keep RETAIN and PERSISTENT variables")
     add("--json", action="store_true", help="print one JSON object")
     add("--strict", action="store_true", help="a mended misprint is an error")
     add("--realtime", action="store_true", help="one second takes one second")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import sys
 import time
@@ -20,8 +21,9 @@ LOOK = 0.3  # s between two looks at the files, with --watch
 
 def execute(arguments: argparse.Namespace) -> int:
     chosen = Selection(arguments.k)
-    if arguments.junit:
-        _check_output(Path(arguments.junit))
+    for option in ("junit", "lcov", "cobertura"):
+        if getattr(arguments, option):
+            _check_output(f"--{option}", Path(getattr(arguments, option)))
     if not arguments.watch:
         return _once(arguments, chosen)
     stamps: dict[Path, int] = {}
@@ -41,9 +43,11 @@ def _stamps(paths: list[str]) -> dict[Path, int]:
     return {f: f.stat().st_mtime_ns for f in sorted(files) if f.exists()}
 
 
-def _check_output(path: Path) -> None:
+def _check_output(option: str, path: Path) -> None:
     if not path.parent.is_dir():
-        raise UsageError(f"--junit {path}: there is no folder {path.parent}")
+        raise UsageError(f"{option} {path}: there is no folder {path.parent}")
+    if path.is_dir() or not os.access(path if path.exists() else path.parent, os.W_OK):
+        raise UsageError(f"{option} {path}: can't be written")
 
 
 class Selection:
@@ -69,8 +73,13 @@ def _once(arguments: argparse.Namespace, chosen: Selection) -> int:
     began = time.perf_counter()
     results: list[Result] = []
     broken: list[tuple[Path, str]] = []
+    coverage = None
+    if arguments.coverage or arguments.lcov or arguments.cobertura:
+        from plcruntime.coverage import Coverage
+
+        coverage = Coverage()
     for path in st_tests.find(arguments.paths):
-        if not _file(path, chosen, arguments, results, broken):
+        if not _file(path, chosen, arguments, results, broken, coverage):
             break
     for result in results:
         if not result.passed:
@@ -82,6 +91,8 @@ def _once(arguments: argparse.Namespace, chosen: Selection) -> int:
     counts += [f"{len(broken)} files with errors"] if broken else []
     counts += [f"{len(results) - failed} passed"]
     print(f"\n{', '.join(counts)} in {time.perf_counter() - began:.2f} s", flush=True)
+    if coverage is not None:
+        _show_coverage(coverage, arguments)
     if arguments.junit:
         from plcruntime import junit
 
@@ -92,12 +103,23 @@ def _once(arguments: argparse.Namespace, chosen: Selection) -> int:
     return FAILED if failed or broken else DONE
 
 
-def _file(path: Path, chosen: Selection, arguments, results: list[Result], broken: list) -> bool:
+def _show_coverage(coverage, arguments: argparse.Namespace) -> None:
+    from plcruntime.cli import output
+    from plcruntime.coverage import HEADS
+
+    output.print_table(HEADS, coverage.table())
+    if arguments.lcov:
+        coverage.write_lcov(Path(arguments.lcov))
+    if arguments.cobertura:
+        coverage.write_cobertura(Path(arguments.cobertura))
+
+
+def _file(path: Path, chosen: Selection, arguments, results: list[Result], broken: list, coverage) -> bool:
     """The tests of one file; False when no other shall follow."""
     if "'test'" not in read(path).text.lower():
         return True
     try:
-        file = TestFile(path)
+        file = TestFile(path, probes=coverage is not None)
     except CompileError as error:
         broken.append((path, str(error)))
         return not arguments.x
@@ -110,6 +132,8 @@ def _file(path: Path, chosen: Selection, arguments, results: list[Result], broke
     for test in tests:
         result = file.run(test)
         results.append(result)
+        if coverage is not None:
+            coverage.add(file.program, file.plc._machine.memory)
         print("." if result.passed else "F", end="", flush=sys.stdout.isatty())
         if arguments.x and not result.passed:
             print()

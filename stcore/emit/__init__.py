@@ -11,7 +11,19 @@ from stcore.declare import align
 from stcore.emit.function import FunctionEmitter
 from stcore.emit.image import ImageBuilder, Late, encode_text
 from stcore.emit.values import store, wasm_type
-from stcore.program import ALONE, NULL_PAGE, SIDE_SIZE, TASK_RATIOS, Body, External, Parameter, Routine, Site, TaskSpec
+from stcore.program import (
+    ALONE,
+    NULL_PAGE,
+    SIDE_SIZE,
+    TASK_RATIOS,
+    Body,
+    Branch,
+    External,
+    Parameter,
+    Routine,
+    Site,
+    TaskSpec,
+)
 from stcore.scope import Pou, Var
 from stcore.source import Source
 
@@ -31,6 +43,7 @@ class ModuleEmitter:
         self.probes = probes
         self.bodies: list[Body] = []
         self.probed: dict[int, None] = {}  # sites of statements
+        self.branches: list[Branch] = []
         self.images = ImageBuilder(project)
         self.sites: list[Site] = []
         self.functions: list[str] = []
@@ -128,10 +141,12 @@ class ModuleEmitter:
         self.limit = limit
         parts = ["(module", *self._imports(), _KERNEL.read_text(encoding="utf-8")]
         if self.probes:
-            self.limit += 5 * len(self.sites)
+            counts, branches = 4 * len(self.sites), 4 * len(self.branches)
+            self.limit += counts + branches + len(self.sites)
             parts.append(_PROBES.read_text(encoding="utf-8"))
             parts.append(f"(global $counts i32 (i32.const {limit}))")
-            parts.append(f"(global $flags i32 (i32.const {limit + 4 * len(self.sites)}))")
+            parts.append(f"(global $branches i32 (i32.const {limit + counts}))")
+            parts.append(f"(global $flags i32 (i32.const {limit + counts + branches}))")
         self.stack_top = limit
         parts += [
             f"(global $span i32 (i32.const {limit - NULL_PAGE}))",

@@ -43,6 +43,7 @@ class FunctionEmitter(Statements):
         self.rounds = 1
         self.probed = False
         self.number = -1  # of the body, in a probed build
+        self.sites: dict[s.Node, int] = {}  # of the statements, in a probed build
         self.seen: list[tuple[str, t.Type, int, bool]] = []  # what a probed build shows of the frame
 
     # ------------------------------------------------------------------------------------------- output

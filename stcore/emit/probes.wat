@@ -14,3 +14,7 @@
 
 (func $enter (i32.store (i32.const 104) (i32.add (i32.load (i32.const 104)) (i32.const 1))))
 (func $leave (i32.store (i32.const 104) (i32.sub (i32.load (i32.const 104)) (i32.const 1))))
+
+(func $taken (param $branch i32) (local $count i32)
+  (local.set $count (i32.add (global.get $branches) (i32.shl (local.get $branch) (i32.const 2))))
+  (i32.store (local.get $count) (i32.add (i32.load (local.get $count)) (i32.const 1))))

@@ -9,7 +9,7 @@ from stcore.emit.calls import Calls
 from stcore.emit.counting import Counting
 from stcore.emit.ranges import Range, range_of, steady
 from stcore.emit.values import address, constant, convert, load, number, store, wasm_type, wrap
-from stcore.program import INTERRUPT
+from stcore.program import INTERRUPT, Branch
 from stcore.scope import Var, key
 
 # A loop that is known to end after so many rounds need not ask whether the host wants it to stop.
@@ -35,8 +35,20 @@ class Statements(Calls):
         """Here a probed build can stop."""
         site = self.module.site(self.source, node, self.pou.name, "", "")
         self.module.probed[site] = None
+        self.sites[node] = site
         this = self.this_address() if self.pou.type is not None else "(i32.const 0)"
         self.line(f"(call $stop (i32.const {site}) (i32.const {self.number}) {this} (local.get $fp))")
+
+    def _branch(self, node: s.Node, kind: str, label: s.Node | str, last: s.Node | None = None) -> None:
+        """A way that is taken here, for a probed build to count. last: of several labels, which end there."""
+        if not self.probed:
+            return
+        where, text = node, label
+        if not isinstance(label, str):
+            where, text = label, " ".join(self.source.text[label.start : (last or label).end].split())
+        line, _ = self.source.position(where.start)
+        self.line(f"(call $taken (i32.const {len(self.module.branches)}))")
+        self.module.branches.append(Branch(self.sites[node], kind, text, line))
 
     # ---------------------------------------------------------------------------------------- assignment
 
@@ -108,8 +120,10 @@ class Statements(Calls):
         for i, (condition, body) in enumerate(node.branches):
             self.mark(node if i == 0 else condition)
             self.line(f"(if {self.value(condition)} (then")
+            self._branch(node, "IF", condition)
             self.body(body)
             self.line(") (else")
+        self._branch(node, "IF", "ELSE")
         if node.orelse is not None:
             self.body(node.orelse)
         self.line("))" * len(node.branches))
@@ -125,11 +139,13 @@ class Statements(Calls):
         for name in reversed(names):
             self.line(f"(block {name}")
         self._dispatch(node, selector, wasm, names, other)
-        for name, (_, body) in zip(names, node.branches, strict=True):
+        for name, (labels, body) in zip(names, node.branches, strict=True):
             self.line(f") ;; {name}")
+            self._branch(node, "CASE", labels[0], labels[-1])
             self.body(body)
             self.line(f"(br {end})")
         self.line(")")
+        self._branch(node, "CASE", "ELSE")
         if node.orelse is not None:
             self.body(node.orelse)
         self.line(")")

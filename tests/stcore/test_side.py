@@ -134,7 +134,7 @@ def test_a_direct_address_outside_its_area(run):
 
 def test_too_large_constants(run):
     with pytest.raises(SideError, match="memory"):
-        run("txt := '" + "x" * 40000 + "'")
+        run("LEN('" + "x" * 40000 + "')")
 
 
 def test_a_fault_leaves_the_machine_well(run):
