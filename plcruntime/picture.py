@@ -86,7 +86,7 @@ def compose(plc: PLC | None, trace: Trace, title: str, watched: list[str] | None
         elif _kind(place) == "bits":
             lanes += _bits(place, column)
         elif watched is not None or not numbers:
-            values.append(_value_panel(place, column))
+            values.append(value_panel(place, column))
     if numbers and not (watched and lanes):
         lanes = _axis_lanes(plc, trace, numbers) + lanes
     left_out = max(0, len(values) - MAX_PANELS) + max(0, len(lanes) - MAX_LANES)
@@ -115,7 +115,8 @@ def _bits(place: Place, column) -> list:
     return [(f"{name}.{b}", column >> column.dtype.type(b) & column.dtype.type(1) == 1) for b in bits]
 
 
-def _value_panel(place: Place, column) -> Panel:
+def value_panel(place: Place, column) -> Panel:
+    """A panel for one variable."""
     kind = _kind(place)
     unit = " (s)" if kind in ("time", "date") else ""
     names = {v: n for n, v in place.type.values.items()} if isinstance(place.type, Enum) else {}
@@ -140,11 +141,12 @@ def _axis_lanes(plc: PLC, trace: Trace, numbers: list[int]) -> list:
         for member, label in FLAGS.items():
             name = f"{ROOT}[{n}].{member}"
             if name in trace.names and trace[name].any():
-                lanes.append((f"{_axis_label(plc, n)} {label}", trace[name]))
+                lanes.append((f"{axis_label(plc, n)} {label}", trace[name]))
     return lanes
 
 
-def _axis_label(plc: PLC, number: int) -> str:
+def axis_label(plc: PLC, number: int) -> str:
+    """The name of an axis in plc.toml, else its number."""
     name = next((a.name for a in plc.project.axes if a.number == number and a.name), "")
     return name or f"axis {number}"
 
@@ -163,7 +165,7 @@ def _axis_panels(plc: PLC, trace: Trace, numbers: list[int]) -> list[Panel]:
             for n, scale, zero in members:
                 values = trace[f"{ROOT}[{n}].{member}"]
                 values = (values - zero) / scale if k == 0 else values / scale * per_second**k
-                curves.append(Curve(_axis_label(plc, n), values, units[k]))
+                curves.append(Curve(axis_label(plc, n), values, units[k]))
             panels.append(Panel(f"{quantity} ({units[k]})", curves, limits=True))
     return panels
 

@@ -31,6 +31,7 @@ from stcore.paths import PathError, Place
 from stcore.program import Program
 
 if TYPE_CHECKING:
+    from plcruntime.html_report.recording import Recording
     from plcruntime.retain import RetainFile
     from plcruntime.trace import Trace
     from plcruntime.trigger import Trigger
@@ -270,7 +271,7 @@ class PLC:
         """Write or force a variable before the scan that starts at a virtual time. Raises as writing does."""
         self.check_value(path, value)  # a wrong value is an error now, not in the middle of a run
         action = (lambda: self.force(path, value)) if force else (lambda: self.__setitem__(path, value))
-        self._schedule(at, action, f"{self.place(path).name} {'forced to' if force else ':='} {value}")
+        self._schedule(at, action, f"{self.place(path).name} {'forced to' if force else ':='} {_st(value)}")
 
     def schedule_release(self, path: str, at: Time) -> None:
         """Release a variable, if it is forced then, before the scan that starts at a virtual time."""
@@ -374,6 +375,14 @@ class PLC:
         after = FOREVER if post is None else self._count(post)
         return compile_trigger(self.program, text, self._count(pre), after, others)
 
+    def record(self, *names: str) -> Recording:
+        """Record what a report of the run shows, from now on: ``recording.to_html("report.html")`` writes it.
+
+        names: the variables that it shows first; without, those that change. Raises PathError, ValueError."""
+        from plcruntime.html_report.recording import Recording
+
+        return Recording(self, list(names))
+
     def stop_trace(self, trace) -> None:
         """Stop recording; the rows stay."""
         self._engine.recorder.remove(trace, self.scans)
@@ -403,6 +412,7 @@ class PLC:
         if kind not in ("warm", "cold", "origin"):
             raise ValueError(f"'{kind}' is no reset; there are warm, cold and origin")
         self._engine.restart(kind)
+        self.scheduled.clear()
         self._configure()
         self.save_retain()
 
@@ -471,6 +481,13 @@ def build(
     libraries = [*project.libraries, mclib.LIBRARY]
     program = compile(files, tasks=project.tasks, libraries=libraries, strict=strict or project.strict, probes=probes)
     return program, project
+
+
+def _st(value) -> str:
+    """A value as text, as ST would write it where that is easy."""
+    if isinstance(value, values.Nanoseconds):
+        return durations.text(value)
+    return str(value).upper() if isinstance(value, bool) else repr(value) if isinstance(value, str) else str(value)
 
 
 def _parsed(text: str):

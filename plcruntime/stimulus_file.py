@@ -7,8 +7,8 @@ CSV has a header with the columns time, variable, value and, if wanted, force; s
     1.5s,Axis[1].drive.alarm,TRUE,force
     2s,Axis[1].drive.alarm,,release
 
-TOML has tables [[stimulus]] with the same keys; `force = true`, `release = true`. A time is 500ms, T#1s500ms, a number of
-seconds or #120 (a scan); a value is written as in ST.
+TOML has tables [[stimulus]] with the same keys; `force = true`, `release = true`. A time is 500ms, T#1s500ms, a number
+of seconds or #120 (a scan); a value is written as in ST.
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ def _read_toml(path: Path, text: str) -> list[Entry]:
         raise UsageError(f"{path} is not TOML: {error}") from None
     tables = data.pop("stimulus", None)
     if data or not isinstance(tables, list) or not all(isinstance(t, dict) for t in tables):
-        raise UsageError(f"{path}: a stimulus file has tables [[stimulus]] with time, variable, value, and nothing else")
+        raise UsageError(f"{path}: a stimulus file has tables [[stimulus]] with time, variable, value, no more")
     entries = []
     for number, table in enumerate(tables, 1):
         where = f"{path}: stimulus {number}"

@@ -16,7 +16,8 @@ from stcore.diagnostics import CompileError
 from stcore.paths import PathError
 
 DURATION, UNTIL_LIMIT = "5s", "60s"
-TRACES, PLOTS = (".csv", ".npz", ".html"), (".png", ".svg", ".html")
+TRACES, PLOTS, REPORTS = (".csv", ".npz", ".html"), (".png", ".svg", ".html"), (".html",)
+EVERYTHING = "*"
 SHOWN = 60  # characters of a value in the table
 
 
@@ -38,17 +39,25 @@ def _check_arguments(arguments: argparse.Namespace) -> None:
         raise UsageError("--for and --scans both say how long to run; give one")
     if arguments.scans is not None and arguments.scans < 0:
         raise UsageError("--scans takes a number that is not negative")
-    for option in ("task_interval", "duration", "watchdog"):
+    if arguments.trigger and not (arguments.trace or arguments.plot):
+        raise UsageError("--trigger is for --trace and --plot; give one of them")
+    if arguments.overlay and not arguments.report:
+        raise UsageError("--overlay is for --report; give it too")
+    for option in ("task_interval", "duration", "watchdog", "pre", "post"):
         text = getattr(arguments, option)
         name = "--for" if option == "duration" else "--" + option.replace("_", "-")
-        if text is not None and not (option == "duration" and text.startswith("#")):
+        if text is not None and not (option in ("duration", "pre", "post") and text.startswith("#")):
             ns = _duration(name, text)
             if option == "task_interval" and ns <= 0:
                 raise UsageError(f"{name}: an interval must be longer than 0")
-    for option, suffixes in (("trace", TRACES), ("plot", PLOTS)):
+    for option, suffixes in (("trace", TRACES), ("plot", PLOTS), ("report", REPORTS)):
         path = getattr(arguments, option)
         if path:
             _check_output(f"--{option}", Path(path), suffixes)
+    if arguments.report:
+        from plcruntime.html_report.page import plotly_script
+
+        plotly_script()
 
 
 def _duration(name: str, text: str) -> int:
@@ -78,6 +87,7 @@ def _load(arguments: argparse.Namespace):
         config=arguments.config,
         strict=arguments.strict,
         watchdog=watchdog,
+        retain=arguments.retain,
     )
 
 
@@ -119,15 +129,20 @@ class Run:
     def __init__(self, plc, arguments: argparse.Namespace, compile_s: float) -> None:
         self.plc, self.arguments, self.compile_s = plc, arguments, compile_s
         self.stopped = "for"
+        self.retain_problem = ""
         try:
-            self.watched = [plc.place(name).name for name in split_names(arguments.watch)]
+            names = split_names(arguments.watch)
+            self.everything = EVERYTHING in names
+            self.watched = [plc.place(name).name for name in names if name != EVERYTHING]
         except PathError as error:
             raise UsageError(f"--watch: {error}") from None
         for option in ("set", "force"):
             for text in getattr(arguments, option):
                 plc.stimulate(stimuli.parse(text), force=option == "force")
+        for file in (*([plc.project.stimuli] if plc.project.stimuli else []), *arguments.stimuli):
+            plc.stimuli(file)
         self.count = self._scans_to_run()
-        self.trace, self.picture = self._record()
+        self.trace, self.picture, self.recording = self._record()
 
     def _scans_to_run(self) -> int:
         if self.arguments.scans is not None:
@@ -139,19 +154,45 @@ class Run:
             raise UsageError(f"--for: {error}") from None
 
     def _record(self):
-        """(what goes into the trace file, what is drawn)"""
-        trace = picture = None
+        """(what goes into the trace file, what is drawn, what the report shows)"""
+        trace = picture = recording = None
+        arguments, plc = self.arguments, self.plc
+        around = {"trigger": arguments.trigger, "pre": arguments.pre, "post": arguments.post}
         try:
-            if self.arguments.trace:
-                trace = self.plc.trace(*self.watched)
-            if self.arguments.plot:
+            if arguments.trace:
+                names = self._with_axes() if Path(arguments.trace).suffix.lower() == ".npz" else self._names()
+                trace = plc.trace(*names, **around)
+                if trace.left_out:
+                    self._say(f"large arrays are not traced unless they are named: {', '.join(trace.left_out)}")
+            if arguments.plot:
                 from plcruntime.picture import axis_names
 
-                names = [*axis_names(self.plc, self.count), *(self.watched or self._scalars())]
-                picture = self.plc.trace(*names) if names else self.plc.trace()
-        except ValueError as error:
+                names = [*axis_names(plc, self.count), *(self.watched or self._scalars())]
+                picture = plc.trace(*names, **around)
+            if arguments.report:
+                from plcruntime.html_report.overlay import Overlay
+                from plcruntime.html_report.recording import Recording
+
+                recording = Recording(plc, self.watched, self.count)
+                if arguments.overlay:
+                    Overlay(Path(arguments.overlay), recording.trace.places)  # one that is none is told now
+        except (ValueError, PathError) as error:
             raise UsageError(str(error)) from None
-        return trace, picture
+        except CompileError as error:
+            output.print_diagnostics(error.diagnostics)
+            raise UsageError(f"--trigger: '{arguments.trigger}' is not a condition of this program") from None
+        return trace, picture, recording
+
+    def _names(self) -> list[str]:
+        """What is traced; none for all scalars."""
+        return [EVERYTHING] if self.everything else self.watched
+
+    def _with_axes(self) -> list[str]:
+        """For a file that a later report may draw behind its own run: without --watch the axes' curves too."""
+        from plcruntime.picture import axis_names
+
+        curves = axis_names(self.plc, self.count)
+        return self._names() if self.watched or self.everything or not curves else [*self._scalars(), *curves]
 
     def _scalars(self) -> list[str]:
         from stcore.paths import is_scalar, user_places
@@ -161,6 +202,9 @@ class Run:
     def execute(self) -> int:
         if not self.arguments.json:
             output.print_diagnostics(self.plc.diagnostics)
+        if self.plc.retain:
+            for sentence in self.plc.retain.report.sentences():
+                self._say(f"retain file {self.plc.retain.path}: {sentence}")
         progress = output.Progress(self.plc.interval)
         self.plc.on_progress(progress)
         code = DONE
@@ -179,8 +223,18 @@ class Run:
         self.wall_s = time.perf_counter() - began
         if self.plc.fault and self.stopped != "interrupt":
             self.stopped, code = "fault", FAILED
+        if self.retain_problem:
+            self._say(self.retain_problem)
+            code = code or USAGE
+        if code == DONE and self._untriggered():
+            self._say(f"the trigger '{self.arguments.trigger}' never came true, so there is nothing to write")
+            code = NOT_REACHED
         self._show()
         return self._write_files(code)
+
+    def _untriggered(self) -> bool:
+        traces = [t for t in (self.trace, self.picture) if t is not None and t.trigger]
+        return any(t.triggered is None for t in traces)
 
     def _run(self) -> None:
         from stcore.faults import Fault
@@ -194,6 +248,8 @@ class Run:
                 self.stopped = "scans" if self.arguments.scans is not None else "for"
         except Fault:
             return  # plc.fault tells it; the image, traces and plots are shown all the same
+        except UsageError as error:  # the retain file, at the end of the run: what was run is shown all the same
+            self.retain_problem = str(error)
 
     def _wrong_condition(self, error: CompileError) -> int:
         output.print_diagnostics(error.diagnostics)
@@ -261,11 +317,18 @@ class Run:
     def _write_files(self, code: int) -> int:
         """Gives the exit code: a file that can't be written changes it, unless something worse happened."""
         title = ", ".join(Path(f).name for f in self.arguments.files)
-        for trace, path in ((self.trace, self.arguments.trace), (self.picture, self.arguments.plot)):
-            if trace is None:
+        arguments = self.arguments
+        results = (
+            (self.trace, arguments.trace), (self.picture, arguments.plot), (self.recording, arguments.report)
+        )  # fmt: skip
+        for result, path in results:
+            if result is None or getattr(result, "trigger", None) and result.triggered is None:
                 continue
             try:
-                self._write(trace, path, title)
+                if result is self.recording:
+                    result.to_html(path, title=title, overlay=arguments.overlay, stopped=self.stopped)
+                else:
+                    self._write(result, path, title)
             except (OSError, UsageError) as error:
                 problem = f"can't write {path}: {error.strerror or error}" if isinstance(error, OSError) else str(error)
                 self._say(problem)

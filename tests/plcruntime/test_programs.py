@@ -82,7 +82,8 @@ def test_force_of_a_bit_is_seen_by_the_program(plc):
 
 
 def test_a_forced_bit_leaves_its_neighbours():
-    plc = PLC.load("PROGRAM PLC_PRG VAR w AT %QW0 : WORD; n : UINT; END_VAR n := n + 1; w := UINT_TO_WORD(n); END_PROGRAM")
+    declarations = "VAR w AT %QW0 : WORD; n : UINT; END_VAR"
+    plc = PLC.load(f"PROGRAM PLC_PRG {declarations} n := n + 1; w := UINT_TO_WORD(n); END_PROGRAM")
     trace = plc.trace("w")
     plc.force("w.3", True)
     plc.force("w.0", False)
