@@ -79,7 +79,12 @@ def functions(plc) -> dict[str, Callable]:
             return 0
         return 1
 
-    return {"HOSTREADCONFIG": read_config, "HOSTREADMRAM": read_mram, "HOSTWRITEMRAM": write_mram}
+    found = {"HOSTREADCONFIG": read_config, "HOSTREADMRAM": read_mram, "HOSTWRITEMRAM": write_mram}
+    if any(e.name.upper().endswith("MOTION") for e in plc.program.externals):
+        from mclib.motion_programs import host
+
+        found |= host.functions(plc, lambda: _memory(plc))
+    return found
 
 
 def find_config(name: str, folders: list[Path]) -> Path | None:
