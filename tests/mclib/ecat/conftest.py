@@ -34,12 +34,21 @@ def compiled():
     return build(text)[0]
 
 
+@cache
+def shared() -> PLC:
+    return PLC(compiled())
+
+
 class Bench:
     """bus("GT_X(...)") calls it and runs a scan; bus["name"] is a variable that calls may use."""
 
     def __init__(self, config: Path | None = None, **options) -> None:
-        """config: a plc.toml; options: of PLC."""
-        self.plc = PLC(compiled(), project=project.load(config) if config else None, **options)
+        """config: a plc.toml; options: of PLC. Without either one PLC serves all, as new."""
+        if config or options:
+            self.plc = PLC(compiled(), project=project.load(config) if config else None, **options)
+        else:
+            self.plc = shared()
+            self.plc.reset("origin")
         self.axis = self.plc.axes[1]
 
     def __call__(self, call: str):
