@@ -46,8 +46,9 @@ class Fault(Exception):
 def locate(program: Program, memory: memoryview, code: str, frames: list[tuple[int, int]], cause: str = "") -> Fault:
     """The fault of a trap. frames: (function index, offset in the module), innermost first."""
     bodies = _Bodies(program.wasm)
-    sites = [s for s in (_site(program, bodies, offset) for _, offset in frames) if s is not None]
-    whole = len(sites) < len(frames)  # the scan loop has no site; of a deep nesting the outer frames are not known
+    found = [_site(program, bodies, offset) for _, offset in frames]
+    sites = [s for s in found if s is not None]
+    whole = not found or found[-1] is None  # the scan loop has no site; of a deep nesting the outer frames are not known
     if len(sites) > 1 and sites[0].code == "F0105":
         sites = sites[1:]  # the call, not the function that had no room
         code = "F0105"

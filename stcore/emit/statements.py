@@ -132,7 +132,7 @@ class Statements(Calls):
         self.mark(node)
         wasm = wasm_type(node.selector.type)
         selector = self.keep(wasm)
-        self.line(f"(local.set {selector} {self.narrow(node.selector)})")
+        self.line(f"(local.set {selector} {self.value(node.selector)})")
         end, other = self.label("end"), self.label("else")
         names = [self.label("case") for _ in node.branches]
         self.line(f"(block {end} (block {other}")

@@ -144,6 +144,10 @@ class Maker:
         self.variables[name] = (kind, value)
         return Expr(kind, written(value, kind), name, lambda env: env[name], kind)
 
+    def named(self, kind: Kind) -> Expr:
+        """A leaf that is a variable, whose bits can be selected."""
+        return self.leaf(kind)
+
     def literal(self, at_most: int = 100) -> Expr:
         """A number without a type: it takes that of its neighbour."""
         value = self.random.randint(0, at_most)
@@ -279,7 +283,7 @@ class Maker:
         if form == "compare":
             return self.comparison(depth)
         if form == "bit":
-            a = self.leaf(r.choice(INTEGERS))
+            a = self.named(r.choice(INTEGERS))
             bit = r.randrange(a.kind.size * 8)
             return Expr(
                 BOOL, f"(({a.constant} AND {1 << bit}) <> 0)" if a.kind.size < 8 else f"{a.variable}.{bit}",
