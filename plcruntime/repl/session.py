@@ -46,8 +46,9 @@ class Session:
         self.say(f"{names}: loaded, before the first scan of {self.plc.interval * 1000:g} ms; help lists the commands")
 
     def close(self) -> None:
-        """Let a scan that waits go."""
+        """Undo a scan that waits; the retain file, where there is one, is written."""
         self.debugger.abandon()
+        self.plc.close()
 
     # ------------------------------------------------------------------------------------------ the stop
 
