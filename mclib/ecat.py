@@ -240,6 +240,8 @@ def place(slaves: list[Slave]) -> None:
             begin = bit = at * 8
             for entry in slave.entries:
                 if entry.input == is_input:
+                    if entry.bits == 64 and bit % 8:
+                        raise BusError(f"{slave.name}: {entry.index:04X}h has 64 bits and must begin at a byte")
                     entry.bit = bit
                     bit += entry.bits
             at = (bit + 7) // 8

@@ -10,7 +10,7 @@ from plcruntime import project
 from plcruntime.plc import PLC, build
 
 LIBRARY = Path(__file__).parents[3] / "mclib/library/ecat"
-VARIABLES = "i : INT; x : DINT; n, got, abort : UDINT; u : UINT; d : ARRAY[0..3] OF DINT; jog : TJogPrm; trap : TTrapPrm;"
+VARIABLES = "i : INT; x : DINT; n, got, abort : UDINT; u : UINT; bit : BYTE := 1; d : ARRAY[0..3] OF DINT; jog : TJogPrm; trap : TTrapPrm;"
 OTHERS = (
     "GT_AxisOn(1)", "GT_AxisOff(1)", "GT_ClrSts(1)", "GT_Reset()", "GT_GetSts(1, ADR(x))", "GT_PrfJog(1)",
     "GT_SetJogPrm(1, ADR(jog))", "GT_SetVel(1, 1)", "GT_Update(1)", "GT_Stop(1, 0)", "GT_PrfTrap(1)",
