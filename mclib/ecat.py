@@ -254,7 +254,7 @@ def place(slaves: list[Slave]) -> None:
 
 
 def read_eni(file: Path) -> list[Slave]:
-    """The slaves of an EtherCAT Network Information file (ETG.2100): their identity and mapped objects. Raises BusError."""
+    """The slaves of an EtherCAT Network Information file (ETG.2100): identity and mapped objects. Raises BusError."""
     import xml.etree.ElementTree as ET
 
     try:
@@ -264,7 +264,7 @@ def read_eni(file: Path) -> list[Slave]:
     slaves = []
     for number, node in enumerate(root.iterfind("./Config/Slave")):
         info = node.find("Info")
-        text = (lambda tag, info=info: (info.findtext(tag) or "0") if info is not None else "0")  # noqa: E731
+        text = lambda tag, info=info: (info.findtext(tag) or "0") if info is not None else "0"  # noqa: E731
         entries = []
         for tag, is_input in (("RxPdo", False), ("TxPdo", True)):
             for pdo in node.iterfind(f"./ProcessData/{tag}"):

@@ -174,7 +174,7 @@ def test_the_io_calls_of_5_2_2_5():
 
 
 def test_5_5_as_a_program(tmp_path):
-    """The C program opens the controller from outside; here its calls in their order, with a configuration of its name."""
+    """The C program opens the controller from outside; here are its calls in their order."""
     (tmp_path / "GTS800.cfg").write_text("[axis *]\nalarm = none\n")
     (tmp_path / "main.st").write_text("""
 PROGRAM PLC_PRG

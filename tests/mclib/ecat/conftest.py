@@ -10,7 +10,10 @@ from plcruntime import project
 from plcruntime.plc import PLC, build
 
 LIBRARY = Path(__file__).parents[3] / "mclib/library/ecat"
-VARIABLES = "i : INT; x : DINT; n, got, abort : UDINT; u : UINT; bit : BYTE := 1; d : ARRAY[0..3] OF DINT; jog : TJogPrm; trap : TTrapPrm;"
+VARIABLES = (
+    "i : INT; x : DINT; n, got, abort : UDINT; u : UINT; bit : BYTE := 1; d : ARRAY[0..3] OF DINT; "
+    "jog : TJogPrm; trap : TTrapPrm;"
+)
 OTHERS = (
     "GT_AxisOn(1)", "GT_AxisOff(1)", "GT_ClrSts(1)", "GT_Reset()", "GT_GetSts(1, ADR(x))", "GT_PrfJog(1)",
     "GT_SetJogPrm(1, ADR(jog))", "GT_SetVel(1, 1)", "GT_Update(1)", "GT_Stop(1, 0)", "GT_PrfTrap(1)",
@@ -22,7 +25,11 @@ def _call(file: Path) -> str:
     """A call of the function with its defaults, for a program that only has to know it."""
     text = file.read_text(encoding="utf-8")
     inputs = re.search(r"VAR_INPUT\n(.*?)END_VAR", text, re.S)
-    names = [n.strip() for line in re.findall(r"^ +([\w, ]+) :", inputs[1], re.M) for n in line.split(",")] if inputs else []
+    names = (
+        [n.strip() for line in re.findall(r"^ +([\w, ]+) :", inputs[1], re.M) for n in line.split(",")]
+        if inputs
+        else []
+    )
     return f"{file.stem}({', '.join('0' for _ in names)})"
 
 
@@ -30,7 +37,9 @@ def _call(file: Path) -> str:
 def compiled():
     calls = [_call(f) for f in sorted(LIBRARY.glob("GT_*.st"))] + list(OTHERS)
     body = "\n".join(f"    rtn := {c};" for c in calls)
-    text = f"PROGRAM PLC_PRG\nVAR never : BOOL; rtn : INT; {VARIABLES} END_VAR\nIF never THEN\n{body}\nEND_IF\nEND_PROGRAM"
+    text = (
+        f"PROGRAM PLC_PRG\nVAR never : BOOL; rtn : INT; {VARIABLES} END_VAR\nIF never THEN\n{body}\nEND_IF\nEND_PROGRAM"
+    )
     return build(text)[0]
 
 

@@ -1,4 +1,4 @@
-"""The EtherCAT bus: communication, process data, IO slaves, SDO, drive modes; homing and probes have their own files."""
+"""The EtherCAT bus: communication, process data, IO slaves, SDO, drive modes. Homing and probes have their files."""
 
 import pytest
 

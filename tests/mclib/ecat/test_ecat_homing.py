@@ -1,7 +1,7 @@
 """Homing by the methods of CiA 402: the home position of every method from every side, and who has the axis meanwhile.
 
-The switches stand at fixed places, an index pulse comes every 1000 pulses from 300 on. Where home is then follows from the
-figures of CiA 402 alone; the motor may neither jump nor be faster than it was told, nor leave the machine.
+The switches stand at fixed places, an index pulse comes every 1000 pulses from 300 on. Where home is then follows from
+the figures of CiA 402 alone; the motor may neither jump nor be faster than it was told, nor leave the machine.
 """
 
 import random
@@ -116,7 +116,13 @@ def test_after_homing_the_axis_moves_on_from_there(bench):
     assert machine.finish() == 3
     assert bus("GT_SetHomingMode(1, 8)") == 0
     bus["trap"] = {"acc": 1.0, "dec": 1.0, "velStart": 0.0, "smoothTime": 0}
-    for call in ("GT_PrfTrap(1)", "GT_SetTrapPrm(1, ADR(trap))", "GT_SetPos(1, 500)", "GT_SetVel(1, 20)", "GT_Update(1)"):
+    for call in (
+        "GT_PrfTrap(1)",
+        "GT_SetTrapPrm(1, ADR(trap))",
+        "GT_SetPos(1, 500)",
+        "GT_SetVel(1, 20)",
+        "GT_Update(1)",
+    ):
         assert bus(call) == 0, call
     bus.scan(500)
     assert machine.axis.prfPos == 500.0 and machine.axis.encPos == pytest.approx(500.0)
@@ -148,7 +154,12 @@ def test_homing_parameters_by_sdo_count_too(bench):
     bus = bench()
     bus.power()
     assert bus("GT_SetHomingMode(1, 6)") == 0
-    for index, sub, size, value in ((0x6098, 0, 1, 37), (0x6099, 1, 4, 1000), (0x6099, 2, 4, 500), (0x609A, 0, 4, 10**6)):
+    for index, sub, size, value in (
+        (0x6098, 0, 1, 37),
+        (0x6099, 1, 4, 1000),
+        (0x6099, 2, 4, 500),
+        (0x609A, 0, 4, 10**6),
+    ):
         bus["n"] = value
         assert bus(f"GT_EcatSDODownload(5, 16#{index:X}, {sub}, ADR(n), {size}, ADR(abort))") == 0
     assert bus("GT_StartEcatHoming(1)") == 0
