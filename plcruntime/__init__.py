@@ -2,6 +2,13 @@
 
 from __future__ import annotations
 
+import sys
+
+if sys.version_info < (3, 11):
+    _words = "scancycle needs Python 3.11 or newer; this is %d.%d: %s" % (*sys.version_info[:2], sys.executable)
+    # `python -m plcruntime` ends with the sentence alone, an import with a traceback that leads to the cause
+    raise SystemExit(_words) if sys.argv[:1] == ["-m"] else ImportError(_words)
+
 __all__ = ["PLC", "CompileError", "ConditionTimeout", "Fault", "PathError", "UsageError"]
 
 _HOMES = {

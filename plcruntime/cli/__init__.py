@@ -14,13 +14,23 @@ VALUE_HELP = "VAR=VALUE[@TIME]: VALUE as in ST, TIME as 10ms or #120 (scans)"
 def main(argv: list[str] | None = None) -> int:
     """Run a command; gives the exit code: 0 done, 1 errors or a fault, 2 usage, 3 --until not reached."""
     arguments = _parser().parse_args(argv)
-    module = importlib.import_module(f"plcruntime.cli.{arguments.module}")
     from plcruntime.errors import UsageError
 
     try:
-        return module.execute(arguments)
+        module = importlib.import_module(f"plcruntime.cli.{arguments.module}")
+        code = module.execute(arguments)
+        _tell_about_the_cache(arguments.module)
+        return code
     except UsageError as error:
         print(f"scancycle: {error}", file=sys.stderr)
+        return USAGE
+    except ModuleNotFoundError as error:
+        if _is_ours(error.name or ""):
+            raise
+        print(
+            f"scancycle: the Python package {error.name} is missing: pip install {error.name}; "
+            "scancycle doctor tells what else is", file=sys.stderr,
+        )  # fmt: skip
         return USAGE
     except KeyboardInterrupt:
         print("scancycle: interrupted", file=sys.stderr)
@@ -28,6 +38,19 @@ def main(argv: list[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of our output has enough, as in `scancycle list | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
+
+
+def _tell_about_the_cache(command: str) -> None:
+    """A cache that can't be written makes every start slow: told once a start, where something was compiled."""
+    cache = sys.modules.get("stcore.cache")
+    if cache is not None and command != "doctor" and (problem := cache.problem()):
+        print(f"scancycle: {problem}; every start compiles anew (SCANCYCLE_CACHE names another)", file=sys.stderr)
+
+
+def _is_ours(name: str) -> bool:
+    """Whether a module should be there in any case: then its absence is a mistake of ours."""
+    top = name.split(".")[0]
+    return not top or top in ("stcore", "mclib", "plcruntime") or top in sys.stdlib_module_names
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -270,11 +270,106 @@ def test_explain(capsys):
 
 def test_doctor(capsys, tmp_path, monkeypatch):
     code, out, _ = run(capsys, "doctor")
-    assert code == 0 and "wasmtime" in out and "writable" in out
+    assert code == 0 and "wasmtime" in out and "writable" in out and "runs" in out and "All that is needed" in out
     (tmp_path / "occupied").write_text("")
     monkeypatch.setenv("SCANCYCLE_CACHE", str(tmp_path / "occupied"))
     code, out, err = run(capsys, "doctor")
-    assert "is not a folder" in err
+    assert code == 0 and "is not a folder" in err and "SCANCYCLE_CACHE" in err
+    from plcruntime.cli import doctor
+
+    monkeypatch.setattr(doctor, "_version", lambda name: None if name in ("numpy", "plotly", "rich") else "1.0")
+    code, out, err = run(capsys, "doctor")
+    assert code == 1 and "numpy is missing (traces): pip install numpy" in err
+    assert "only for --report: pip install 'scancycle[report]'" in out and "not tried" in out
+
+
+def test_a_cache_that_can_not_be_written(capsys, file, tmp_path, monkeypatch):
+    from stcore import cache
+
+    (tmp_path / "occupied").write_text("")
+    monkeypatch.setenv("SCANCYCLE_CACHE", str(tmp_path / "occupied"))
+    monkeypatch.setattr(cache, "_problem", "")
+    code, out, err = run(capsys, "run", file, "--scans", 3)
+    assert code == 0 and "3 scans" in out
+    assert len(err.splitlines()) == 1 and "can't be written" in err and "SCANCYCLE_CACHE" in err
+
+
+def test_a_missing_package(capsys, file, monkeypatch):
+    from plcruntime.cli import run as command
+
+    def missing(arguments):
+        raise ModuleNotFoundError("No module named 'wasmtime'", name="wasmtime")
+
+    monkeypatch.setattr(command, "execute", missing)
+    code, _, err = run(capsys, "run", file)
+    assert code == 2 and "package wasmtime is missing: pip install wasmtime" in err and "doctor" in err
+
+
+def test_an_old_python(tmp_path):
+    root = Path(__file__).resolve().parents[2]
+    old = "import sys; sys.version_info = (3, 9, 2, 'final', 0); sys.argv = [{argv}]; import plcruntime"
+    for argv in ("'-m'", "'x.py'"):
+        command = [sys.executable, "-c", old.format(argv=argv)]
+        done = subprocess.run(command, cwd=root, capture_output=True, text=True, timeout=60, check=False)
+        assert done.returncode == 1 and "scancycle needs Python 3.11 or newer; this is 3.9: " in done.stderr
+        assert ("Traceback" in done.stderr) == (argv != "'-m'")
+
+
+RETAIN = "PROGRAM PLC_PRG VAR RETAIN n : {type}; END_VAR n := n + 1; END_PROGRAM"
+
+
+def test_retain_file(capsys, tmp_path):
+    program, kept = tmp_path / "prog.st", tmp_path / "plc.retain"
+    program.write_text(RETAIN.format(type="DINT"))
+    for scans in (300, 600):
+        code, result = run_json(capsys, program, "--scans", 300, "--retain", kept)
+        assert code == 0 and result["vars"] == {"PLC_PRG.n": scans}
+    (tmp_path / "plc.toml").write_text('[project]\nretain = "plc.retain"\nretain_every = "10s"\n')
+    program.write_text(RETAIN.format(type="LINT"))
+    code, _, err = run(capsys, "run", tmp_path, "--scans", 1)
+    assert code == 0 and f"retain file {kept}: converted: PLC_PRG.n (DINT to LINT)" in err
+    program.write_text(RETAIN.format(type="SINT"))
+    code, out, err = run(capsys, "run", tmp_path, "--scans", 1)
+    assert code == 2 and out == "" and "PLC_PRG.n was LINT and is SINT, which can't hold 601" in err
+    kept.write_bytes(kept.read_bytes()[:-1])
+    code, _, err = run(capsys, "run", tmp_path, "--scans", 1)
+    assert code == 2 and "is damaged" in err
+
+
+def test_stimulus_file(capsys, file, tmp_path):
+    (tmp_path / "s.csv").write_text("time,variable,value\n10ms,on,TRUE\n")
+    code, result = run_json(capsys, file, "--for", "20ms", "--stimuli", tmp_path / "s.csv", "--set", "w=3")
+    assert code == 0 and result["vars"]["PLC_PRG.r"] == 5.0 and result["vars"]["PLC_PRG.w"] == 3
+    (tmp_path / "plc.toml").write_text('[project]\nfiles = ["prog.st"]\nstimuli = "s.csv"\n')
+    code, result = run_json(capsys, tmp_path, "--for", "20ms")
+    assert result["vars"]["PLC_PRG.r"] == 5.0
+    (tmp_path / "s.csv").write_text("time,variable,value\n10ms,on,TRUE\n11ms,of,TRUE\n")
+    code, out, err = run(capsys, "run", file, "--stimuli", tmp_path / "s.csv")
+    assert code == 2 and out == "" and "s.csv:3: unknown variable 'of'" in err and len(err.splitlines()) == 1
+
+
+def test_trigger(capsys, file, tmp_path):
+    out_file = tmp_path / "t.csv"
+    watched = (file, "--for", "1s", "--watch", "n", "--trace", out_file)
+    code, *_ = run(capsys, "run", *watched, "--trigger", "n = 500", "--pre", "2ms", "--post", "#1")
+    assert code == 0 and [r[1] for r in csv.reader(out_file.open())][1:] == ["498", "499", "500", "501"]
+    out_file.unlink()
+    code, _, err = run(capsys, "run", *watched, "--trigger", "n < 0")
+    assert code == 3 and "'n < 0' never came true" in err and not out_file.exists()
+    for options, words in (
+        (["--trigger", "q > 3"], "--trigger: 'q > 3' is not a condition"),
+        (["--trigger", "TRUE", "--pre", "soon"], "--pre"),
+    ):
+        code, out, err = run(capsys, "run", *watched, *options)
+        assert code == 2 and out == "" and words in err
+    assert "give one of them" in run(capsys, "run", file, "--trigger", "TRUE")[2]
+    assert "--report" in run(capsys, "run", file, "--overlay", "x.npz")[2]
+
+
+def test_trace_of_every_variable(capsys, file, tmp_path):
+    code, *_ = run(capsys, "run", file, "--scans", 5, "--watch", "*", "--trace", tmp_path / "t.csv")
+    header = (tmp_path / "t.csv").read_text().splitlines()[0].split(",")
+    assert code == 0 and {"PLC_PRG.a[3]", "PLC_PRG.p.y", "PLC_PRG.pause.ET", "PLC_PRG.s"} <= set(header)
 
 
 def test_demo(capsys, tmp_path, monkeypatch):
