@@ -39,10 +39,10 @@ def same(a: t.Type, b: t.Type) -> bool:
 def common(a: t.Type, b: t.Type) -> t.Elementary | None:
     """The type in which numbers of types a and b meet, None if they do not."""
     a, b = t.base_of(a), t.base_of(b)
-    if a is b:
-        return a
     if not (isinstance(a, t.Elementary) and isinstance(b, t.Elementary)):
         return None
+    if a is b:
+        return a
     if a.kind not in NUMERIC or b.kind not in NUMERIC:
         return None
     if "real" in (a.kind, b.kind) or t.REAL_LITERAL in (a, b):

@@ -316,6 +316,10 @@ class Expressions(Names):
         node.type = node.target.type
         return node
 
+    def initialiser(self, node: s.Node) -> s.Node:
+        self.error("E0604", node)
+        return self.wrong(s.Literal(node.start, node.end, 0, None, ""))
+
     def checked(self, node: s.Node) -> s.Node:
         return node
 
@@ -325,5 +329,6 @@ class Expressions(Names):
     METHODS = {
         s.Literal: Names.literal, s.Name: Names.name, s.Address: Names.address, s.Member: Names.member,
         s.Part: Names.part, s.Index: Names.index, s.Deref: Names.deref, s.Unary: unary, s.Binary: binary,
-        s.Call: call_expression, s.Assign: assignment, Convert: checked,
+        s.Call: call_expression, s.Assign: assignment, Convert: checked, s.ArrayInit: initialiser,
+        s.StructInit: initialiser,
     }  # fmt: skip
