@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 import struct
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -128,6 +129,12 @@ def read(table: dict[str, Any], folder: Path, nanoseconds=None) -> Bus:
     if len(bus.faults) > FAULTS:
         raise BusError(f"there are more than {FAULTS} faults")
     return bus
+
+
+@cache
+def default() -> Bus:
+    """The bus of a program without a configuration."""
+    return read({}, Path())
 
 
 def _time(duration, key: str, value) -> int:
@@ -311,10 +318,7 @@ def configure(plc, bus: Bus | None = None) -> None:
     variables = plc.program.variables
     if "ECAT.SLAVE" not in variables:
         return
-    if bus is None:
-        bus = Bus([_slave(entry, n) for n, entry in enumerate(DEFAULT)])
-        _number_axes(bus.slaves)
-        place(bus.slaves)
+    bus = bus or default()
     image = _Image(plc._machine.memory, variables)
     entries = objects = 0
     for n, slave in enumerate(bus.slaves):
@@ -340,6 +344,7 @@ def configure(plc, bus: Bus | None = None) -> None:
         axes=max((s.axis for s in bus.slaves), default=0), noEni=bus.eni_missing,
         size=sum(s.outputs + s.inputs for s in bus.slaves),
     )  # fmt: skip
+    image.finish()
 
 
 class _Image:
@@ -347,27 +352,45 @@ class _Image:
 
     def __init__(self, memory, variables) -> None:
         self.memory, self.variables = memory, variables
+        self.layouts: dict[str, tuple[int, int, dict[str, tuple[int, Any]], bytearray]] = {}
 
     def set(self, **values) -> None:
         for name, value in values.items():
             variable = self.variables.get(f"ECAT.{name.upper()}")
             if variable:
-                self._write(variable.address, variable.type, value)
+                data = _bytes(variable.type, value)
+                self.memory[variable.address : variable.address + len(data)] = data
 
     def put(self, array: str, number: int, **members) -> None:
+        if array not in self.layouts:
+            self.layouts[array] = self._layout(array)
+        low, size, layout, data = self.layouts[array]
+        for name, value in members.items() if size else ():
+            offset, kind = layout[name]
+            at = (number - low) * size + offset
+            new = _bytes(kind, value)
+            data[at : at + len(new)] = new
+
+    def finish(self) -> None:
+        """Write the arrays."""
+        for array, (_, size, _, data) in self.layouts.items():
+            if size:
+                address = self.variables[f"ECAT.{array.upper()}"].address
+                self.memory[address : address + len(data)] = data
+
+    def _layout(self, array: str) -> tuple[int, int, dict[str, tuple[int, Any]], bytearray]:
+        """Lowest index, size of an element (0: the program does not use it), offset and type of members, content."""
         variable = self.variables.get(f"ECAT.{array.upper()}")
         if variable is None:
-            return
+            return 0, 0, {}, bytearray()
         assert isinstance(variable.type, Array) and isinstance(variable.type.element, Struct)
         element = variable.type.element
-        address = variable.address + (number - variable.type.bounds[0][0]) * element.size
-        for name, value in members.items():
-            member = element.members[name.upper()]
-            self._write(address + member.offset, member.type, value)
+        layout = {member.name: (member.offset, member.type) for member in element.members.values()}
+        data = bytearray(self.memory[variable.address : variable.address + variable.type.size])
+        return variable.type.bounds[0][0], element.size, layout, data
 
-    def _write(self, address: int, kind, value) -> None:
-        if isinstance(kind, String):
-            data = value.encode("utf-8")[:31] + b"\0"
-        else:
-            data = (int(value) & (1 << 8 * kind.size) - 1).to_bytes(kind.size, "little")
-        self.memory[address : address + len(data)] = data
+
+def _bytes(kind, value) -> bytes:
+    if isinstance(kind, String):
+        return value.encode("utf-8")[:31] + b"\0"
+    return (int(value) & (1 << 8 * kind.size) - 1).to_bytes(kind.size, "little")

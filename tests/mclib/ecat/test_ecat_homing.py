@@ -81,7 +81,7 @@ def test_index_only_and_current_position(bench, method, start, home):
 def test_the_way_is_the_same_at_any_length_of_a_scan(bench):
     """Random speeds, all methods: home is exact, speed and acceleration keep their limits, positions do not jump."""
     rng = random.Random(5)
-    for _ in range(20):
+    for _ in range(12):
         method = rng.choice([*HOMES, *(m + 16 for m in HOMES)])
         switch, at_index, at_edge = HOMES[method if method < 17 else method - 16]
         fast, slow, acc = rng.uniform(1, 300), rng.uniform(0.5, 60), 10 ** rng.uniform(-0.5, 2)
