@@ -91,9 +91,11 @@ def _checked(sources: list[Source], libraries: Sequence[Path], strict: bool, *, 
                         project.reach(symbol)
             elif isinstance(unit, s.TypeDecl):
                 project.lookup(unit.name)
-            elif isinstance(unit, s.VarSection):
-                for decl in unit.decls:
-                    project.lookup(f"{unit.name or Path(source.path).stem}.{decl.name}")
+            for section in _sections(unit):
+                for decl in section.decls:
+                    project.lookup(f"{section.name or Path(source.path).stem}.{decl.name}")
+    project.connect()
+    project.check_configured()
     project.check_reached()
     for var in project.globals:
         project.direct(var)
@@ -104,6 +106,13 @@ def _checked(sources: list[Source], libraries: Sequence[Path], strict: bool, *, 
         check_init(project, init, field.type)
     project.check_reached()
     return project, reporter, pous
+
+
+def _sections(unit: s.Node) -> list[s.VarSection]:
+    """The lists of global variables in a unit of a file."""
+    if isinstance(unit, s.VarSection):
+        return [unit]
+    return unit.sections if isinstance(unit, s.Configuration) else []
 
 
 def _tasks(project: CheckedProject, pous: list[Pou], reporter: Reporter, sources: list[Source]) -> list[TaskSpec] | None:

@@ -100,6 +100,7 @@ CODES: dict[str, Code] = {
     "W0303": Code("{source} is used as {target}, which has another size"),
     "W0304": Code("the constant {value} does not fit {type} and wraps around"),
     "W0305": Code("a value of {source} is used as {target}"),
+    "W0306": Code("{value} is outside {type}; the result is {held}"),
     # --- E04: calls
     "E0401": Code("{name} takes {wanted} arguments, {given} are given"),
     "E0402": Code("{name} has no address of its own: it is a bit"),

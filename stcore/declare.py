@@ -275,7 +275,7 @@ class Declarer:
         pou.parameters = [v for v in order if v.section in ("VAR_INPUT", "VAR_OUTPUT", "VAR_IN_OUT")]
 
     def _declare(self, decl: s.VarDecl, section: s.VarSection, pou: Pou, made: dict[int, Var]) -> None:
-        name = key(decl.name)
+        name, given = key(decl.name), decl
         first = pou.variables.get(name)
         if first is not None:
             line = self.source.position(first.decl.start)[0]
@@ -290,9 +290,11 @@ class Declarer:
                 var = made[id(decl)] = Var(decl.name, t.ERROR, "global", decl=decl)
             pou.variables[name] = var
             return
+        if pou.kind == "PROGRAM":
+            decl = self._configured(decl, pou)
         var = self._var(decl, section, pou)
         pou.variables[name] = var
-        made[id(decl)] = var
+        made[id(given)] = var
         if decl.address and "*" not in decl.address:
             place_direct(var, decl.address, lambda: self.error("E0206", decl, address=decl.address))
         elif var.constant and section.kind == "VAR" or section.kind == "VAR_STAT":
@@ -305,6 +307,16 @@ class Declarer:
             self._constant(var)
         if var.constant and section.kind == "VAR_INPUT":
             var.storage = "local" if pou.kind == "FUNCTION" else "this"
+
+    def _configured(self, decl: s.VarDecl, pou: Pou) -> s.VarDecl:
+        """The declaration with the address and the initial value that VAR_CONFIG has for it."""
+        found, _ = self.project.configured.get(key(f"{pou.name}.{decl.name}"), (None, None))
+        if found is None:
+            return decl
+        made = s.VarDecl(decl.start, decl.end, *(getattr(decl, f) for f in s.VarDecl.fields))
+        made.address = found.address or decl.address
+        made.init = found.init or decl.init
+        return made
 
     def _lay_out(self, pou: Pou) -> None:
         """Give each variable its place in an instance."""

@@ -45,6 +45,7 @@ class Project:
         self.loaded: dict[str, Source] = {}  # path -> source of every file read
         self.pous: list[Pou] = []  # declared, in order
         self.globals: list[Var] = []  # with storage, in order
+        self.configured: dict[str, tuple[s.VarDecl, Source]] = {}  # VAR_CONFIG: upper-case path -> address, initial value
         self.configurations: list[tuple[s.Configuration, Source]] = []
         self.type_inits: dict[str, Init] = {}
         self.field_inits: dict[t.Field, Init] = {}
@@ -87,6 +88,9 @@ class Project:
                     self._add_globals(section, source, library, table)
 
     def _add_globals(self, section: s.VarSection, source: Source, library: bool, table: dict[str, Pending]) -> None:
+        if section.kind == "VAR_CONFIG":
+            self.configured |= {key(d.name): (d, source) for d in section.decls}
+            return
         name = section.name or Path(source.path).stem
         qualified = "qualified_only" in section.attributes
         if "needs" in section.attributes:
@@ -102,6 +106,9 @@ class Project:
             listed.variables.add(key(decl.name))
             entry = Pending("global", decl, source, library, (section, name), at=decl.start)
             table[key(f"{name}.{decl.name}")] = entry
+            if isinstance(decl.type, s.EnumDef):
+                for item, at, _ in decl.type.items:
+                    self._add(table, item, Pending("enum value", decl, source, library, decl.name, at=at))
             if not qualified:
                 self._add(table, decl.name, entry)
 

@@ -80,6 +80,8 @@ def _convert(checker, node: s.Call, args: list[s.Arg], source: t.Elementary | No
     made.type = target
     if value.const is not None:
         made.const = convert_value(value.const, base, target)
+        if isinstance(value.const, float) and target.kind in INTEGER and abs(made.const - value.const) >= 1:
+            checker.warn("W0306", value, value=value.const, type=target, held=made.const)
     return made
 
 

@@ -20,6 +20,7 @@ class Context:
         self.library = library
         self.unknown: set[str] = set()  # reported once a POU
         self.loops = 0
+        self.labels: frozenset[str] = frozenset()  # that JMP can reach
         self.constant_only = False
 
     def report(self, code: str, node: s.Node, hint: str = "", **fields) -> None:

@@ -13,8 +13,12 @@ class Statements(Calls):
     """Checks the statements of a body."""
 
     def body(self, statements: list[s.Node]) -> None:
+        """JMP reaches the labels of its own list of statements and of those around it."""
+        outer = self.labels
+        self.labels = outer | {key(n.name) for n in statements if isinstance(n, s.Label)}
         for node in statements:
             self.statement(node)
+        self.labels = outer
 
     def statement(self, node: s.Node) -> None:
         self.STATEMENTS[type(node)](self, node)
@@ -120,6 +124,8 @@ class Statements(Calls):
         if label.type is t.ERROR:
             label.const = None
             return label
+        if kind_of(kind) == "char":
+            label = self.convert(label, kind)
         if label.const is None or isinstance(label.const, float | str):
             self.error("E0504", label, text=self.text(label))
             return label
@@ -188,5 +194,4 @@ class Statements(Calls):
         pou = self.pou
         bodies = [pou.tree.body, *(a.body for a in pou.actions.values())]
         for body in bodies:
-            self.labels = {key(n.name) for n in body if isinstance(n, s.Label)}
             self.body(body)

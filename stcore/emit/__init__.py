@@ -24,7 +24,7 @@ from stcore.program import (
     Site,
     TaskSpec,
 )
-from stcore.scope import Pou, Var
+from stcore.scope import Pou, Var, key
 from stcore.source import Source
 
 STACK_SIZE = 256 * 1024
@@ -198,7 +198,7 @@ class ModuleEmitter:
             for name in task.programs:
                 pou = self.project.lookup(name)
                 self.need(pou)
-                calls.append(f"(call {pou.symbol})")
+                calls.append(f"(call {self._connected(pou, task)})")
             text = " ".join(calls)
             if task.test:
                 first = next(k for k, x in enumerate(tasks) if x.test)
@@ -212,6 +212,17 @@ class ModuleEmitter:
             self.need(pou)
             lines.append(f"(call {pou.symbol})")
         return "\n".join([*lines, ")"])
+
+    def _connected(self, pou: Pou, task: TaskSpec) -> str:
+        """The function that a task calls: the program, or its call with the arguments of the configuration."""
+        node, source = self.project.connections.get(key(pou.name), (None, None))
+        if node is None:
+            return pou.symbol
+        emitter = FunctionEmitter(self, Pou("FUNCTION", task.name, s.Exit(node.start, node.end), source), source)
+        emitter.statement(node)
+        name = f"{pou.symbol}.connected"
+        self.functions.append(emitter._assemble(name, [], [], [], emitter.lines))
+        return name
 
     def _drain(self) -> None:
         while self.queue:

@@ -37,7 +37,7 @@ class FunctionEmitter(Statements):
         self.open_locals: dict[Var, list[tuple[str, str]]] = {}  # bounds of ARRAY[*]
         self.frame_size = 0
         self.loops: list[tuple[str, str]] = []
-        self.jumps: tuple = ()
+        self.jumps: list[tuple[str, str, dict[str, int]]] = []  # lists of statements with labels, innermost last
         self.ranges: dict[Var, tuple[int, int]] = {}
         self.shadows: dict[Var, str] = {}
         self.rounds = 1

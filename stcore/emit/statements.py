@@ -314,7 +314,7 @@ class Statements(Calls):
             else:
                 pieces[-1].append(node)
         next_piece, again = self.keep("i32"), self.label("again")
-        outer, self.jumps = self.jumps, (next_piece, again, places)
+        self.jumps.append((next_piece, again, places))
         names = [self.label("piece") for _ in pieces]
         self.line(f"(local.set {next_piece} (i32.const 0)) (loop {again}")
         self._ask_interrupt(statements[0])
@@ -326,11 +326,11 @@ class Statements(Calls):
             for node in piece:
                 self.statement(node)
         self.line(")")
-        self.jumps = outer
+        self.jumps.pop()
 
     def jump(self, node: s.Jump) -> None:
         self.mark(node)
-        next_piece, again, places = self.jumps
+        next_piece, again, places = next(x for x in reversed(self.jumps) if key(node.name) in x[2])
         self.line(f"(local.set {next_piece} (i32.const {places[key(node.name)]})) (br {again})")
 
     def nothing(self, node: s.Node) -> None:
