@@ -128,6 +128,18 @@ def test_controllers_settings():
     assert all(io(call, i=13, k=1) == 7 for call in calls)
 
 
+def test_reset_sets_outputs_and_settings_back():
+    put, limit, capture = "GT_SetDo(12, 255)", "GT_SetMtrLmt(3, 100)", "GT_SetTrigger(1, ADR(trigger))"
+    io = Board(put, limit, capture, "GT_Reset()", "GT_GetTriggerStatus(1, ADR(done))", "GT_SetExtIoValue(2, 7)")
+    home = {"encoder": 1, "probeType": 1, "probeIndex": 0, "offset": 0, "windowOnly": 0}
+    io.plc["SimIo.gpi"] = 3
+    assert [io(c, trigger=home) for c in (put, limit, capture, "GT_SetExtIoValue(2, 7)")] == [0, 0, 0, 0]
+    assert io("GT_Reset()") == 0
+    assert io.plc["SimIo.gpo"] == 0 and io.plc["SimIo.limit"][2] == 32767 and io.plc["SimIo.module[2].outputs"] == 0
+    assert io.plc["SimIo.gpi"] == 3
+    assert io("GT_GetTriggerStatus(1, ADR(done))") == 0 and io["done"][0]["execute"] == 0
+
+
 def test_extension_modules():
     calls = ("GT_SetExtIoValue(i, u)", "GT_GetExtIoValue(i, ADR(u))", "GT_SetExtIoBit(i, k, u)",
              "GT_GetExtIoBit(i, k, ADR(u))", "GT_GetExtAdValue(i, k, ADR(u))", "GT_GetExtAdVoltage(i, k, ADR(r))",
