@@ -63,9 +63,18 @@ def index(folder: Path, *, recursive: bool, library: bool) -> dict[str, Entry]:
     entries: dict[str, Entry] = {}
     for path, names in json.loads(cached).items():
         file = Path(path)
-        entries.setdefault(file.stem.upper(), Entry(file, library))
-        for name in names:
+        for name in {file.stem.upper(), *names}:
             # a file named after the thing wins over one that merely mentions it in a list
-            if name == file.stem.upper() or name not in entries:
+            if name not in entries:
                 entries[name] = Entry(file, library)
+            elif name == file.stem.upper():
+                entries[listed(name)] = entries[name]
+                entries[name] = Entry(file, library)
+            elif name == entries[name].path.stem.upper():
+                entries[listed(name)] = Entry(file, library)
     return entries
+
+
+def listed(name: str) -> str:
+    """Where an index has a constant of a list beside a block of the same name: MC_HOME and MC_Home."""
+    return f"{name}#"

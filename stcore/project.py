@@ -16,7 +16,7 @@ from stcore import types as t
 from stcore.cache import parse_cached
 from stcore.declare import Declarer, Pending, align
 from stcore.diagnostics import Reporter
-from stcore.library import Entry, index
+from stcore.library import Entry, index, listed
 from stcore.program import NULL_PAGE
 from stcore.scope import Builtin, EnumValue, GlobalList, Init, Pou, TypeName, Var, key
 from stcore.source import Source, read
@@ -123,6 +123,10 @@ class Project:
             return
         if first is None:
             table[key(name)] = entry
+        elif entry.library and entry.kind == "pou" and first.kind != "pou":
+            table[listed(key(name))], table[key(name)] = first, entry
+        elif entry.library and first.kind == "pou" and entry.kind != "pou":
+            table[listed(key(name))] = entry
 
     # ------------------------------------------------------------------------------------------- names
 
@@ -138,8 +142,18 @@ class Project:
         if self.is_builtin(upper):
             return Builtin(upper)
         entry = self.library.get(upper)
-        if entry is None and upper in self.library_index:
+        if upper in self.library_index and (
+            entry is None or (entry.kind in ("global", "enum value") and listed(upper) in self.library_index)
+        ):
             entry = self._load(upper, self.library_index[upper], self.library)
+        return None if entry is None else self._resolve(entry)
+
+    def constant_beside(self, pou: Pou) -> object | None:
+        """The constant of a library list that has the name of a library block: a value is meant, not the block."""
+        name = listed(key(pou.name))
+        if not pou.library or name not in self.library_index:
+            return None
+        entry = self.library.get(name) or self._load(name, self.library_index[name], self.library)
         return None if entry is None else self._resolve(entry)
 
     def _load(self, name: str, entry: Entry, table: dict[str, Pending]) -> Pending | None:
@@ -177,7 +191,7 @@ class Project:
 
     def known_names(self, library: bool = False) -> list[str]:
         """Every global name there is, for 'did you mean'."""
-        names = [e.path.stem if e.path.stem.upper() == n else n for n, e in self.library_index.items()]
+        names = [e.path.stem if e.path.stem.upper() == n else n for n, e in self.library_index.items() if n[-1] != "#"]
         if not library:
             for n, p in self.user.items():
                 names.append(getattr(p.tree, "name", None) or n)

@@ -75,7 +75,9 @@ class Calls(Expressions):
     def _call_symbol(self, node: s.Call, symbol: object, checked: bool) -> s.Node:
         if isinstance(symbol, Pou) and symbol.kind == "FUNCTION":
             return self._function(node, symbol, checked)
-        if isinstance(node.callee, s.Name):
+        if isinstance(symbol, Pou) and isinstance(node.callee, s.Name):
+            self._use(node.callee, symbol)  # not a constant of the same name
+        elif isinstance(node.callee, s.Name):
             node.callee = self.expr(node.callee)
             symbol = node.callee.symbol
         if isinstance(symbol, ActionOf | s.Action):
@@ -255,8 +257,9 @@ class Calls(Expressions):
 
     def _enable(self, bound: dict, pou: Pou) -> tuple[s.Node | None, s.Node | None]:
         """EN := condition and ENO => place, which every POU has without declaring them."""
-        en = self.boolean(bound["EN"].value, "EN") if "EN" in bound else None
-        eno = self.place(bound["ENO"].value, write=True) if "ENO" in bound else None
+        given = {name: bound[name].value for name in ("EN", "ENO") if name in bound and bound[name].value is not None}
+        en = self.boolean(given["EN"], "EN") if "EN" in given else None
+        eno = self.place(given["ENO"], write=True) if "ENO" in given else None
         return en, eno
 
     def _argument(self, node: s.Call, arg: s.Arg | None, parameter: Var, pou: Pou, checked: bool) -> s.Node | None:

@@ -55,6 +55,8 @@ class Names(Conversions):
 
     def name(self, node: s.Name) -> s.Node:
         symbol = self.lookup(node.name)
+        if isinstance(symbol, Pou):
+            symbol = self.project.constant_beside(symbol) or symbol
         if symbol is None:
             if key(node.name) == "NULL":
                 node.type, node.const = t.NULL, 0
