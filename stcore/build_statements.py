@@ -59,7 +59,7 @@ def _value(value):
     if not isinstance(value, list):
         return value
     last = value[-1][1] or value[-1][0]
-    return s.ArrayInit(value[0][0].start, last.end, value)
+    return s.ArrayInit((value[0][0] or value[0][1]).start, last.end, value)
 
 
 def field(t, a, b, v):
