@@ -107,7 +107,7 @@ def blank_in_name(r: Repairs, at: int) -> int | None:
         if left < 0 or left + 1 >= len(kinds) - 1:
             continue
         between = tokens.source.text[tokens.ends[left] : tokens.starts[left + 1]]
-        plain = _joined(tokens.texts[left], tokens.texts[left + 1])
+        plain = _joined(tokens.texts[left], tokens.texts[left + 1], tokens.texts)
         if not plain or not between or between.strip(" \t"):
             continue
         kind = WORDS.get(plain.upper(), NAME)
@@ -121,15 +121,15 @@ def blank_in_name(r: Repairs, at: int) -> int | None:
     return None
 
 
-def _joined(left: str, right: str) -> str:
-    """The name that two words were, or ''."""
+def _joined(left: str, right: str, texts: list[str]) -> str:
+    """The name that two words were, or ''. texts: of all tokens; a name that stands elsewhere is known."""
     if not re.match(r"[^\W\d]", left) or not re.match(r"\w", right):
         return ""
     if left.endswith("_"):
         return left + right
     if left.upper() in _PREFIXES or f"{left}_{right}".upper() in WORDS:
         return f"{left}_{right}"
-    return ""
+    return left + right if left + right in texts and texts.count(left) == 1 else ""
 
 
 def bare_program(r: Repairs, at: int) -> int | None:
