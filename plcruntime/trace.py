@@ -4,29 +4,12 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
+from plcruntime.rows import Segment
 from plcruntime.trigger import Trigger
 from stcore.paths import PathError, Place
 from stcore.types import Elementary, Pointer, base_of
 from stcore.values import FORMATS, PER_SECOND, decode
-
-
-@dataclass(slots=True)
-class Segment:
-    """Rows of successive scans, the first at byte `start` of data. offsets: of each column of the trace in a row."""
-
-    first_scan: int
-    rows: int
-    row_size: int
-    start: int
-    offsets: tuple[int, ...]
-    data: bytes
-
-    def part(self, skip: int, rows: int) -> Segment:
-        """Some of the rows."""
-        start = self.start + skip * self.row_size
-        return Segment(self.first_scan + skip, rows, self.row_size, start, self.offsets, self.data)
 
 
 class Trace:
@@ -69,10 +52,7 @@ class Trace:
         code = _code(place)
         text = "s" in code
         dtype = np.dtype(f"V{place.size}" if text else "<" + code)
-        parts = [
-            np.ndarray((s.rows,), dtype, s.data, s.start + s.offsets[i], (s.row_size,)) for s in self.segments if s.rows
-        ]
-        column = _joined(np, parts, dtype)
+        column = _joined(np, [s.column(i, dtype) for s in self.segments if s.rows], dtype)
         if text:
             return np.array([decode(v.tobytes(), place.type, 0) for v in column], dtype=object)
         if place.bit is not None:
@@ -119,10 +99,9 @@ class Trace:
         row: list = [None] * len(self.places)
         for s in self.segments:
             layers = _layers(self.places, s.offsets)
-            for k in range(s.rows):
-                at = s.start + k * s.row_size
+            for k, image in enumerate(s.images()):
                 for layout, columns in layers:
-                    for i, value in zip(columns, layout.unpack_from(s.data, at), strict=True):
+                    for i, value in zip(columns, layout.unpack_from(image), strict=True):
                         row[i] = value
                 for i, p, scale in odd:
                     row[i] = _converted(row[i], p, scale)

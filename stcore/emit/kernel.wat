@@ -110,30 +110,61 @@
         (local.set $left (i32.sub (local.get $left) (i32.const 1)))
         (br $next)))))
 
-;; --- one row of the trace: the traced variables one after another
+;; --- one row of the trace: the words of 8 bytes that are not as they were at the last row, each with row and number;
+;; blocks of 4 words are compared at once
 
-(func $trace_row (local $at i32) (local $left i32) (local $to i32) (local $from i32) (local $size i32)
-  (local.set $left (i32.load (i32.const 84)))
-  (local.set $at (i32.load (i32.const 80)))
+(func $trace_row
+  (local $at i32) (local $left i32) (local $to i32) (local $from i32) (local $before i32) (local $key i32) (local $end i32)
+  (local $low v128) (local $high v128)
   (local.set $to (i32.load (i32.const 88)))
-  (if (i32.ge_u (local.get $to) (i32.load (i32.const 92))) (then (return)))
-  (loop $next
+  (if (i32.gt_u (local.get $to) (i32.load (i32.const 92))) (then (return)))
+  (local.set $at (i32.load (i32.const 80)))
+  (local.set $left (i32.load (i32.const 84)))
+  (local.set $before (i32.load (i32.const 116)))
+  (local.set $key (i32.load (i32.const 120)))
+  (loop $range
     (if (local.get $left)
       (then
         (local.set $from (i32.load (local.get $at)))
-        (local.set $size (i32.load offset=4 (local.get $at)))
-        (if (i32.eq (local.get $size) (i32.const 8))
-          (then (i64.store (local.get $to) (i64.load (local.get $from))))
-          (else (if (i32.eq (local.get $size) (i32.const 4))
-            (then (i32.store (local.get $to) (i32.load (local.get $from))))
-            (else (if (i32.eq (local.get $size) (i32.const 1))
-              (then (i32.store8 (local.get $to) (i32.load8_u (local.get $from))))
-              (else (memory.copy (local.get $to) (local.get $from) (local.get $size))))))))
-        (local.set $to (i32.add (local.get $to) (local.get $size)))
+        (local.set $end (i32.add (local.get $key) (i32.shl (i32.load offset=4 (local.get $at)) (i32.const 18))))
+        (loop $next
+          (local.set $low (v128.load (local.get $from)))
+          (local.set $high (v128.load offset=16 (local.get $from)))
+          (if (v128.any_true (v128.or
+                (v128.xor (local.get $low) (v128.load (local.get $before)))
+                (v128.xor (local.get $high) (v128.load offset=16 (local.get $before)))))
+            (then
+              (if (i64.ne (i64.load offset=0 (local.get $from)) (i64.load offset=0 (local.get $before)))
+                (then
+                  (i32.store (local.get $to) (i32.add (local.get $key) (i32.const 0)))
+                  (i64.store offset=4 (local.get $to) (i64.load offset=0 (local.get $from)))
+                  (local.set $to (i32.add (local.get $to) (i32.const 12)))))
+              (if (i64.ne (i64.load offset=8 (local.get $from)) (i64.load offset=8 (local.get $before)))
+                (then
+                  (i32.store (local.get $to) (i32.add (local.get $key) (i32.const 65536)))
+                  (i64.store offset=4 (local.get $to) (i64.load offset=8 (local.get $from)))
+                  (local.set $to (i32.add (local.get $to) (i32.const 12)))))
+              (if (i64.ne (i64.load offset=16 (local.get $from)) (i64.load offset=16 (local.get $before)))
+                (then
+                  (i32.store (local.get $to) (i32.add (local.get $key) (i32.const 131072)))
+                  (i64.store offset=4 (local.get $to) (i64.load offset=16 (local.get $from)))
+                  (local.set $to (i32.add (local.get $to) (i32.const 12)))))
+              (if (i64.ne (i64.load offset=24 (local.get $from)) (i64.load offset=24 (local.get $before)))
+                (then
+                  (i32.store (local.get $to) (i32.add (local.get $key) (i32.const 196608)))
+                  (i64.store offset=4 (local.get $to) (i64.load offset=24 (local.get $from)))
+                  (local.set $to (i32.add (local.get $to) (i32.const 12)))))
+              (v128.store (local.get $before) (local.get $low))
+              (v128.store offset=16 (local.get $before) (local.get $high))))
+          (local.set $from (i32.add (local.get $from) (i32.const 32)))
+          (local.set $before (i32.add (local.get $before) (i32.const 32)))
+          (local.set $key (i32.add (local.get $key) (i32.const 262144)))
+          (br_if $next (i32.ne (local.get $key) (local.get $end))))
         (local.set $at (i32.add (local.get $at) (i32.const 8)))
         (local.set $left (i32.sub (local.get $left) (i32.const 1)))
-        (br $next))))
-  (i32.store (i32.const 88) (local.get $to)))
+        (br $range))))
+  (i32.store (i32.const 88) (local.get $to))
+  (i32.store (i32.const 120) (i32.add (i32.load (i32.const 120)) (i32.const 1))))
 
 ;; --- whether one of the conditions holds that end a run: those in the first slots of the table
 

@@ -16,8 +16,9 @@ from stcore.program import (
     NOW,
     SCAN,
     TRACE,
-    TRACE_END,
+    TRACE_BEFORE,
     TRACE_NEXT,
+    TRACE_ROW,
     Program,
     Site,
     TaskSpec,
@@ -189,11 +190,16 @@ class FakeMachine:
     def _row(self) -> None:
         table, count = struct.unpack_from("<II", self._bytes, TRACE)
         entries = [struct.unpack_from("<II", self._bytes, table + 8 * i) for i in range(count)]
-        at = struct.unpack_from("<I", self._bytes, TRACE_NEXT)[0]
-        end = struct.unpack_from("<I", self._bytes, TRACE_END)[0]
-        if not entries or at + sum(size for _, size in entries) > end:
+        at, end = struct.unpack_from("<II", self._bytes, TRACE_NEXT)
+        before, row = struct.unpack_from("<II", self._bytes, TRACE_BEFORE)
+        if not entries or at > end:
             return
-        for address, size in entries:
-            self._bytes[at : at + size] = self._bytes[address : address + size]
-            at += size
+        addresses = [address + 8 * k for address, blocks in entries for k in range(4 * blocks)]
+        for word, address in enumerate(addresses):
+            data, old = bytes(self._bytes[address : address + 8]), slice(before + 8 * word, before + 8 * word + 8)
+            if data != self._bytes[old]:
+                self._bytes[old] = data
+                struct.pack_into("<HH8s", self._bytes, at, row, word, data)
+                at += 12
         struct.pack_into("<I", self._bytes, TRACE_NEXT, at)
+        struct.pack_into("<I", self._bytes, TRACE_ROW, row + 1)
