@@ -78,7 +78,8 @@ def text(d: Diagnostic) -> str:
     # keep tabs in front of the caret, so that it stands under its character in any terminal
     pad = "".join(c if c == "\t" else " " for c in d.source_line[: d.column - 1])
     marks = "^" * max(1, d.end_column - d.column)
-    lines = [place, gutter + d.source_line, " " * 5 + " | " + pad + marks]
+    shown = [gutter + d.source_line, " " * 5 + " | " + pad + marks] if d.source_line else []
+    lines = [place, *shown]
     if d.hint:
         lines.append(f"      = hint: {d.hint}")
     return "\n".join(lines)
