@@ -45,7 +45,7 @@ class Project:
         self.loaded: dict[str, Source] = {}  # path -> source of every file read
         self.pous: list[Pou] = []  # declared, in order
         self.globals: list[Var] = []  # with storage, in order
-        self.configured: dict[str, tuple[s.VarDecl, Source]] = {}  # VAR_CONFIG: upper-case path -> address, initial value
+        self.configured: dict[str, tuple[s.VarDecl, Source]] = {}  # VAR_CONFIG, by upper-case path
         self.configurations: list[tuple[s.Configuration, Source]] = []
         self.type_inits: dict[str, Init] = {}
         self.field_inits: dict[t.Field, Init] = {}

@@ -94,7 +94,7 @@ class Conversions(Printed):
             return self._wrapped(node, target)
         if isinstance(base, t.Elementary) and isinstance(goal, t.Elementary):
             return self._convert_elementary(node, base, goal, target)
-        if isinstance(goal, t.Elementary) and goal.kind == "char" and isinstance(node.const, str) and len(node.const) == 1:
+        if kind_of(target) == "char" and isinstance(node.const, str) and len(node.const) == 1:
             made = self._literal(node, ord(node.const))
             made.type = target
             return made

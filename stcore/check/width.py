@@ -1,6 +1,6 @@
 """Which values an integer expression can have before it is stored.
 
-Integers below 32 bits are computed as DINT and narrowed where they are stored: INT 30000 + INT 30000 is 60000 on the way.
+Integers below 32 bits are computed as DINT and narrowed where they are stored: INT 30000 + INT 30000 is 60000 first.
 """
 
 from __future__ import annotations

@@ -5,12 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from stcore import syntax as s
-from stcore import types as t
 from stcore.check.initial import check_init
 from stcore.declare import align
 from stcore.emit.function import FunctionEmitter
 from stcore.emit.image import ImageBuilder, Late, encode_text
-from stcore.emit.values import store, wasm_type
+from stcore.emit.values import wasm_type
 from stcore.program import (
     ALONE,
     NULL_PAGE,
@@ -244,12 +243,7 @@ class ModuleEmitter:
         for base, late in self.late:
             pou = late.pou
             emitter = FunctionEmitter(self, pou or _NOWHERE, late.source, base + late.owner)
-            text = emitter.narrow(late.node)
-            target = base + late.offset
-            if t.is_aggregate(late.type):
-                emitter.line(emitter.copy_bytes(late.type, f"(i32.const {target})", text, late.node.type))
-            else:
-                emitter.line(store(late.type, "", target, text))
+            emitter.set_late(late, "", base)
             name = f"$init{len(lines)}"
             self.functions.append(emitter._assemble(name, [], [], [], emitter.lines))
             lines.append(f"(call {name})")

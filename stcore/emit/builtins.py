@@ -182,7 +182,8 @@ def _sqrt(e, node: s.Call, call: BuiltinCall) -> str:
 EMIT: dict[str, Callable] = {
     "ABS": _abs, "SQRT": _sqrt, "MIN": _extreme("lt"), "MAX": _extreme("gt"), "LIMIT": _limit, "SEL": _sel, "MUX": _mux,
     "TRUNC": _trunc, "TRUNC_INT": _trunc, "SHL": _shift, "SHR": _shift, "ROL": _rotate, "ROR": _rotate, "ADR": _adr,
-    "LOWER_BOUND": _bound, "UPPER_BOUND": _bound, "MEMMOVE": _memmove, "MEMSET": _memset, "__FLOOR": _instruction("f64.floor"), "__CEIL": _instruction("f64.ceil"),
+    "LOWER_BOUND": _bound, "UPPER_BOUND": _bound, "MEMMOVE": _memmove, "MEMSET": _memset,
+    "__FLOOR": _instruction("f64.floor"), "__CEIL": _instruction("f64.ceil"),
     "__NEAREST": _instruction("f64.nearest"), "__COPYSIGN": _instruction("f64.copysign"),
     "__BITS": _instruction("i64.reinterpret_f64"), "__LREAL": _instruction("f64.reinterpret_i64"),
     "__REAL_BITS": _instruction("i32.reinterpret_f32"), "__REAL": _instruction("f32.reinterpret_i32"),

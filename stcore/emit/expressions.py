@@ -126,7 +126,8 @@ class Expressions(Places):
         test = _COMPARE[node.op]
         if isinstance(left.type, t.String):
             call = "$wstr_cmp" if left.type.wide else "$str_cmp"
-            return f"(i32.{test}{'' if test in ('eq', 'ne') else '_s'} (call {call} {self.value(left)} {self.value(right)}) (i32.const 0))"
+            order = f"(call {call} {self.value(left)} {self.value(right)})"
+            return f"(i32.{test}{'' if test in ('eq', 'ne') else '_s'} {order} (i32.const 0))"
         wasm = wasm_type(left.type)
         a, b = self.value(left), self.value(right)
         if wasm[0] == "f":

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from stcore import syntax as s
 from stcore import types as t
 from stcore.emit.calls import aggregate_outputs, scalar_outputs
+from stcore.emit.image import Late
 from stcore.emit.statements import Statements
 from stcore.emit.values import address, constant, load, store, wasm_type, wrap
 from stcore.scope import Pou, Var
@@ -264,6 +265,17 @@ class FunctionEmitter(Statements):
                 self.line(f"(memory.fill {to} (i32.const 0) (i32.const {var.type.size}))")
             else:
                 self.line(f"(memory.copy {to} (i32.const {template}) (i32.const {var.type.size}))")
+            for late in self.module.images.of_variable(var)[1]:
+                if late.pou in (None, self.pou):
+                    self.set_late(late, base, offset)
+
+    def set_late(self, late: Late, base: str, offset: int) -> None:
+        """An initial value that is no constant, into the variable at this place."""
+        text, offset = self.narrow(late.node), offset + late.offset
+        if t.is_aggregate(late.type):
+            self.line(self.copy_bytes(late.type, address(base, offset), text, late.node.type))
+        else:
+            self.line(store(late.type, base, offset, text))
 
     def _in_outs(self) -> None:
         """The addresses of a block's in-outs, taken once; not connected is a fault at once."""

@@ -93,8 +93,18 @@ class Statements(Calls):
         width = {"X": 1, "B": 8, "W": 16, "D": 32}[place.size]
         if kind.wasm == "i64":
             value = f"(i64.extend_i32_u {value})"
-        whole = self._with_bits(kind.wasm, self.value(place.base), value, place.index * width, width)
-        return self.store_text(place.base, wrap(kind, whole))
+        inner, symbol = place.base, place.base.symbol
+        in_local = isinstance(symbol, Var) and (self.local_of(symbol) or symbol.bit is not None)
+        if isinstance(inner, s.Part) or in_local:
+            whole = self._with_bits(kind.wasm, self.value(inner), value, place.index * width, width)
+            return self.store_text(inner, wrap(kind, whole))
+        base, offset = self.place(inner)
+        first = ""
+        if base and not base.startswith("(local.get"):  # worked out once, for its calls and checks
+            held = self.temp("i32")
+            first, base = f"(local.set {held} {base}) ", f"(local.get {held})"
+        whole = self._with_bits(kind.wasm, load(inner.type, base, offset), value, place.index * width, width)
+        return first + store(inner.type, base, offset, whole)
 
     @staticmethod
     def _with_bits(wasm: str, whole: str, value: str, shift: int, width: int) -> str:

@@ -20,7 +20,8 @@ def values(body: str, declarations: str, *names: str, before: str = "") -> tuple
 def test_integers_are_computed_in_the_larger_operand_type_at_least_dint():
     assert values(
         "d := a + a; l := big + 1; q := u / m; w := i * i / i;",
-        "a : INT := 30000; d : DINT; big : LINT := 4000000000; l : LINT; u : UDINT := 4000000000; m : INT := 2; q : UDINT;"
+        "a : INT := 30000; d : DINT; big : LINT := 4000000000; l : LINT; u : UDINT := 4000000000; m : INT := 2;"
+        "q : UDINT;"
         "i : INT := 300; w : INT;",
         "d", "l", "q", "w",
     ) == (60000, 4000000001, 2000000000, 300)  # fmt: skip
@@ -63,7 +64,8 @@ def test_real_to_int_rounds_half_away_from_zero_and_trunc_cuts():
 
 def test_conversion_out_of_range_wraps_for_integers_and_saturates_from_real():
     assert values(
-        "a := DINT_TO_INT(d); b := REAL_TO_INT(r); c := REAL_TO_USINT(-r);", "a, b : INT; c : USINT; d : DINT := 65537; r : REAL := 1.0E9;",
+        "a := DINT_TO_INT(d); b := REAL_TO_INT(r); c := REAL_TO_USINT(-r);",
+        "a, b : INT; c : USINT; d : DINT := 65537; r : REAL := 1.0E9;",
         "a", "b", "c",
     ) == (1, 32767, 0)  # fmt: skip
 
@@ -72,7 +74,9 @@ def test_saturation_of_a_constant_is_a_warning():
     assert [d.severity for d in diagnostics(program("i := REAL_TO_INT(1.0E9);", "i : INT;"))] == ["warning"]
 
 
-TOUCH = "FUNCTION Touch : BOOL VAR_INPUT r : BOOL; END_VAR VAR_IN_OUT n : INT; END_VAR n := n + 1; Touch := r; END_FUNCTION"
+TOUCH = (
+    "FUNCTION Touch : BOOL VAR_INPUT r : BOOL; END_VAR VAR_IN_OUT n : INT; END_VAR n := n + 1; Touch := r; END_FUNCTION"
+)
 
 
 def test_and_or_evaluate_both_sides_and_then_or_else_short_circuit():
@@ -92,11 +96,15 @@ def test_for_to_the_last_value_of_the_type_ends():
 
 
 def test_for_end_and_step_are_evaluated_once():
-    assert values("FOR i := 1 TO e BY s DO e := 100; s := 1; n := n + 1; END_FOR", "i, n : INT; e : INT := 5; s : INT := 2;", "n") == (3,)
+    assert values(
+        "FOR i := 1 TO e BY s DO e := 100; s := 1; n := n + 1; END_FOR", "i, n : INT; e : INT := 5; s : INT := 2;", "n"
+    ) == (3,)
 
 
 def test_mux_and_sel_take_the_nearest_legal_input():
-    assert values("a := MUX(i, 10, 20, 30); i := -7; b := MUX(i, 10, 20, 30);", "a, b : INT; i : INT := 9;", "a", "b") == (30, 10)
+    assert values(
+        "a := MUX(i, 10, 20, 30); i := -7; b := MUX(i, 10, 20, 30);", "a, b : INT; i : INT := 9;", "a", "b"
+    ) == (30, 10)
 
 
 def scanned(block: str, call: str, names: list[str], scans: int = 2) -> list[tuple]:
@@ -119,7 +127,8 @@ def test_f_trig_on_the_first_scan_with_clk_false_is_false():
 
 def test_time_is_32_bit_ms_and_ltime_64_bit_ns():
     assert values("a := SIZEOF(t); b := SIZEOF(l); c := TIME_TO_DINT(t); d := LTIME_TO_LINT(l);",
-                  "t : TIME := T#1s5ms; l : LTIME := LT#1us; a, b, c : DINT; d : LINT;", "a", "b", "c", "d") == (4, 8, 1005, 1000)  # fmt: skip
+                  "t : TIME := T#1s5ms; l : LTIME := LT#1us; a, b, c : DINT; d : LINT;", "a", "b", "c", "d",
+                  ) == (4, 8, 1005, 1000)  # fmt: skip
 
 
 def test_string_without_length_has_80():
@@ -131,16 +140,25 @@ def test_word_to_string_42():
 
 
 def test_real_to_string_is_the_shortest_text_that_reads_back():
-    assert values("a := REAL_TO_STRING(3.14); b := LREAL_TO_STRING(0.1);", "a, b : STRING;", "a", "b") == ("3.14", "0.1")
+    assert values("a := REAL_TO_STRING(3.14); b := LREAL_TO_STRING(0.1);", "a, b : STRING;", "a", "b") == (
+        "3.14",
+        "0.1",
+    )
 
 
 def test_s_r_st_ld_are_names():
-    assert values("s := 1; r := s + 1; st := r + 1; ld := st + 1;", "s, r, st, ld : INT;", "s", "r", "st", "ld") == (1, 2, 3, 4)
+    assert values("s := 1; r := s + 1; st := r + 1; ld := st + 1;", "s, r, st, ld : INT;", "s", "r", "st", "ld") == (
+        1,
+        2,
+        3,
+        4,
+    )
 
 
 def test_initial_values_of_elements_members_and_nested_structs():
     before = (
-        "TYPE In : STRUCT a : INT := 3; END_STRUCT Out : STRUCT i : In := (a := 4); l : ARRAY[0..1] OF In; END_STRUCT END_TYPE\n"
+        "TYPE In : STRUCT a : INT := 3; END_STRUCT Out : STRUCT i : In := (a := 4); l : ARRAY[0..1] OF In;"
+        " END_STRUCT END_TYPE\n"
         "FUNCTION_BLOCK F VAR o : ARRAY[0..1] OF Out := [(i := (a := 7))]; t : INT := K * 2; p : INT := t + 1; END_VAR"
         " VAR CONSTANT K : INT := 21; END_VAR END_FUNCTION_BLOCK"
     )
@@ -163,7 +181,9 @@ def test_bool_and_integer_only_by_conversion_function(body, hint):
     assert [d.code for d in found] == ["E0302"] and hint in found[0].hint
 
 
-@pytest.mark.parametrize(("body", "name"), [("i := Abss(1);", "ABS"), ("t(INN := TRUE);", "IN"), ("i := LIMITT(1, 2, 3);", "LIMIT")])
+@pytest.mark.parametrize(
+    ("body", "name"), [("i := Abss(1);", "ABS"), ("t(INN := TRUE);", "IN"), ("i := LIMITT(1, 2, 3);", "LIMIT")]
+)
 def test_unknown_function_or_pin_is_an_error_with_the_nearest_name(body, name):
     found = errors(program(body, "t : TON; i : INT;"))
     assert len(found) == 1 and name in found[0].hint
@@ -186,7 +206,8 @@ def test_a_duplicate_declaration_points_at_both_places():
 
 def test_what_other_compilers_trip_over_works():
     made = run(
-        "{vendor pragma} s := 'abcdef'; FOR i := 0 TO 3 DO IF i = 1 THEN CONTINUE; END_IF n := n + i; END_FOR c := E#two; u.w := 16#0102; f(); f.Act();",
+        "{vendor pragma} s := 'abcdef'; FOR i := 0 TO 3 DO IF i = 1 THEN CONTINUE; END_IF n := n + i; END_FOR "
+        "c := E#two; u.w := 16#0102; f(); f.Act();",
         "s : STRING(3); t : TON := (PT := T#2s); t2 : TON(PT := T#3s); i, n : INT; c : E; u : U; f : F;",
         "TYPE E : (one := 1, two); U : UNION w : WORD; b : ARRAY[0..1] OF BYTE; END_UNION END_TYPE\n"
         "VAR_GLOBAL PERSISTENT k : INT := 5; END_VAR\n"

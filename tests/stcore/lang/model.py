@@ -1,7 +1,7 @@
 """What expressions are worth, in Python: random well-typed ST expressions with their values.
 
-The rules are those of the page "What differs": integers are computed in the larger operand type, at least DINT; what is
-stored wraps around; REAL and LREAL are IEEE 754. A value here is the computed one: INT 30000 + INT 30000 is 60000 until it
+The rules are those of the page "What differs": integers are computed in the larger operand type, at least DINT; what
+is stored wraps around; REAL and LREAL are IEEE 754. A value here is the computed one: INT 30000 + INT 30000 is 60000 until it
 is stored into an INT.
 """
 
@@ -159,7 +159,9 @@ class Maker:
         r = self.random
         if depth == 0 or r.random() < 0.15:
             return self.leaf(r.choice(INTEGERS))
-        form = r.choice(["+", "-", "*", "/", "MOD", "AND", "OR", "XOR", "NOT", "neg", "conv", "shift", "pick", "abs", "*"])
+        form = r.choice(
+            ["+", "-", "*", "/", "MOD", "AND", "OR", "XOR", "NOT", "neg", "conv", "shift", "pick", "abs", "*"]
+        )
         if form == "NOT":
             a = self.integer(depth - 1)
             return make(a.kind, "NOT ({})", [a], lambda x: wrap(~wrap(x, a.kind), a.kind))
@@ -195,14 +197,18 @@ class Maker:
             if len({h.signed for h in held}) == 2 and max(h.size for h in held if not h.signed) == 4:
                 kind = room = LINT
             if op == "/":
-                return make(kind, "({} / {})", [a, b], lambda x, y: wrap(divide(wrap(x, room), wrap(y, room)), room), room)
+                return make(
+                    kind, "({} / {})", [a, b], lambda x, y: wrap(divide(wrap(x, room), wrap(y, room)), room), room
+                )
             return make(kind, "({} MOD {})", [a, b], lambda x, y: remainder(wrap(x, room), wrap(y, room)), room)
         operation = {
             "+": lambda x, y: x + y, "-": lambda x, y: x - y, "*": lambda x, y: x * y, "AND": lambda x, y: x & y,
             "OR": lambda x, y: x | y, "XOR": lambda x, y: x ^ y,
         }[op]  # fmt: skip
         narrow = op in ("AND", "OR", "XOR") and all(x.literal or x.held is x.kind for x in (a, b))
-        return make(kind, f"({{}} {op} {{}})", [a, b], lambda x, y: wrap(operation(x, y), room), kind if narrow else room)
+        return make(
+            kind, f"({{}} {op} {{}})", [a, b], lambda x, y: wrap(operation(x, y), room), kind if narrow else room
+        )
 
     def literal_but_zero(self) -> Expr:
         value = self.random.randint(1, 100)
@@ -266,7 +272,9 @@ class Maker:
         if r.random() < 0.5:
             a, b = b, a
         kind = common(a.kind, b.kind)
-        operation = {"+": lambda x, y: x + y, "-": lambda x, y: x - y, "*": lambda x, y: x * y, "/": real_quotient}[form]
+        operation = {"+": lambda x, y: x + y, "-": lambda x, y: x - y, "*": lambda x, y: x * y, "/": real_quotient}[
+            form
+        ]
 
         def compute(x, y):
             return convert(operation(convert(x, a.kind, kind), convert(y, b.kind, kind)), LREAL, kind)

@@ -103,7 +103,10 @@ class Programmer(Maker):
         name = r.choice([n for n in self.variables if n not in self.loops])
         kind = self.variables[name][0]
         value = self.for_kind(kind)
-        return Statement([f"{name} := {value.variable};"], lambda env: env.__setitem__(name, convert(value.value(env), value.kind, kind)))
+        return Statement(
+            [f"{name} := {value.variable};"],
+            lambda env: env.__setitem__(name, convert(value.value(env), value.kind, kind)),
+        )
 
     def for_kind(self, kind: Kind) -> Expr:
         """A value that may be assigned to this type."""
@@ -126,7 +129,9 @@ class Programmer(Maker):
 
     def assign_bit(self, depth: int) -> Statement:
         r = self.random
-        name = r.choice([n for n, (k, _) in self.variables.items() if k.sort in ("int", "bits") and n not in self.loops])
+        name = r.choice(
+            [n for n, (k, _) in self.variables.items() if k.sort in ("int", "bits") and n not in self.loops]
+        )
         kind = self.variables[name][0]
         bit, value = r.randrange(kind.size * 8), self.boolean(1)
 

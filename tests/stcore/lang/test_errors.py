@@ -3,13 +3,17 @@
 import pytest
 from running import diagnostics, errors, program
 
-UNITS = """FUNCTION Twice : INT VAR_INPUT n : INT; k : INT := 2; END_VAR VAR_OUTPUT o : INT; END_VAR Twice := n * k; END_FUNCTION
-FUNCTION_BLOCK Fb VAR_INPUT in : INT; END_VAR VAR_OUTPUT out : INT; END_VAR VAR_IN_OUT io : INT; END_VAR VAR own : INT; END_VAR out := in + io; END_FUNCTION_BLOCK
+UNITS = """FUNCTION Twice : INT VAR_INPUT n : INT; k : INT := 2; END_VAR VAR_OUTPUT o : INT; END_VAR
+Twice := n * k; END_FUNCTION
+FUNCTION_BLOCK Fb VAR_INPUT in : INT; END_VAR VAR_OUTPUT out : INT; END_VAR VAR_IN_OUT io : INT; END_VAR
+VAR own : INT; END_VAR out := in + io; END_FUNCTION_BLOCK
 TYPE Color : (red, green, blue); Pt : STRUCT x, y : INT; END_STRUCT END_TYPE
 VAR_GLOBAL CONSTANT LIMIT_A : INT := 5; END_VAR
 """
-DECLARATIONS = """counter, i : INT; b : BOOL; r : REAL; s : STRING; t : TIME; fb : Fb; pt : Pt; c : Color; w : WORD; p : POINTER TO INT; a : ARRAY[0..3] OF INT; m : ARRAY[0..1, 0..1] OF INT; d : DATE; a2 : ARRAY[0..4] OF INT; pf : POINTER TO REAL; lw : LWORD; td : TOD;"""
-FIRST = 6 + UNITS.count("\n")
+DECLARATIONS = """counter, i : INT; b : BOOL; r : REAL; s : STRING; t : TIME; fb : Fb; pt : Pt; c : Color; w : WORD;
+p : POINTER TO INT; a : ARRAY[0..3] OF INT; m : ARRAY[0..1, 0..1] OF INT; d : DATE; a2 : ARRAY[0..4] OF INT;
+pf : POINTER TO REAL; lw : LWORD; td : TOD;"""
+FIRST = 6 + UNITS.count("\n") + DECLARATIONS.count("\n")
 
 # statement, code, column, part of message or hint
 MISTAKES = [
@@ -129,19 +133,56 @@ UNIT_MISTAKES = [
     ("PROGRAM P VAR x : INT := y; END_VAR END_PROGRAM", "E0301", 1, 26, ""),
     ("PROGRAM P VAR x : ARRAY[0..1] OF INT := [1, 2, 3]; END_VAR END_PROGRAM", "E0606", 1, 41, "3 values"),
     ("PROGRAM P VAR x : INT := [1]; END_VAR END_PROGRAM", "E0605", 1, 26, ""),
-    ("TYPE S : STRUCT a : INT; END_STRUCT END_TYPE PROGRAM P VAR x : S := (b := 1); END_VAR END_PROGRAM", "E0306", 1, 70, "no member b"),
+    (
+        "TYPE S : STRUCT a : INT; END_STRUCT END_TYPE PROGRAM P VAR x : S := (b := 1); END_VAR END_PROGRAM",
+        "E0306",
+        1,
+        70,
+        "no member b",
+    ),
     ("PROGRAM P VAR x AT %XYZ : INT; END_VAR END_PROGRAM", None, 1, None, ""),
     ("PROGRAM P VAR x : ARRAY[*] OF INT; END_VAR END_PROGRAM", "E0207", 1, 15, ""),
     ("PROGRAM P VAR_EXTERNAL x : INT; END_VAR x := 1; END_PROGRAM", "E0208", 1, 24, "x"),
-    ("TYPE A : STRUCT b : B; END_STRUCT B : STRUCT a : A; END_STRUCT END_TYPE PROGRAM P VAR a : A; END_VAR END_PROGRAM", "E0203", None, None, "itself"),
-    ("TYPE A : STRUCT a : A; END_STRUCT END_TYPE PROGRAM P VAR a : A; END_VAR END_PROGRAM", "E0203", None, None, "itself"),
-    ("FUNCTION_BLOCK F VAR f : F; END_VAR END_FUNCTION_BLOCK PROGRAM P VAR f : F; END_VAR END_PROGRAM", "E0203", None, None, "itself"),
-    ("TYPE A : STRUCT a : INT; a : REAL; END_STRUCT END_TYPE PROGRAM P VAR a : A; END_VAR END_PROGRAM", "E0201", 1, 26, "twice"),
+    (
+        "TYPE A : STRUCT b : B; END_STRUCT B : STRUCT a : A; END_STRUCT END_TYPE PROGRAM P VAR a : A; END_VAR END_PROGRAM",
+        "E0203",
+        None,
+        None,
+        "itself",
+    ),
+    (
+        "TYPE A : STRUCT a : A; END_STRUCT END_TYPE PROGRAM P VAR a : A; END_VAR END_PROGRAM",
+        "E0203",
+        None,
+        None,
+        "itself",
+    ),
+    (
+        "FUNCTION_BLOCK F VAR f : F; END_VAR END_FUNCTION_BLOCK PROGRAM P VAR f : F; END_VAR END_PROGRAM",
+        "E0203",
+        None,
+        None,
+        "itself",
+    ),
+    (
+        "TYPE A : STRUCT a : INT; a : REAL; END_STRUCT END_TYPE PROGRAM P VAR a : A; END_VAR END_PROGRAM",
+        "E0201",
+        1,
+        26,
+        "twice",
+    ),
     ("TYPE A : (x, y, x); END_TYPE PROGRAM P VAR a : A; END_VAR END_PROGRAM", "E0201", 1, 17, "twice"),
     ("FUNCTION F : INT END_FUNCTION\nFUNCTION F : INT END_FUNCTION PROGRAM P END_PROGRAM", "E0201", 2, 10, "line 1"),
     ("PROGRAM P VAR CONSTANT c : INT := 40000; END_VAR END_PROGRAM", "W0304", 1, 35, "40000"),
     ("PROGRAM P VAR s : INT (0..10) := 11; END_VAR END_PROGRAM", "E0602", 1, 34, "0..10"),
-    ("FUNCTION F : INT VAR_INPUT a : INT; END_VAR a := 1; END_FUNCTION PROGRAM P VAR CONSTANT c : INT := 1; END_VAR c := 2; END_PROGRAM", "E0318", 1, 111, "CONSTANT"),
+    (
+        "FUNCTION F : INT VAR_INPUT a : INT; END_VAR a := 1; END_FUNCTION\n"
+        "PROGRAM P VAR CONSTANT c : INT := 1; END_VAR c := 2; END_PROGRAM",
+        "E0318",
+        2,
+        46,
+        "CONSTANT",
+    ),
     ("PROGRAM P VAR a : P; END_VAR END_PROGRAM", "E0203", 1, 9, ""),
 ]
 

@@ -60,13 +60,16 @@ def test_index_of_an_open_array(kind):
     bounds = "1..3" if "," not in kind else "1..3, 0..1"
     f = fault(
         "F(a, 4);", f"a : ARRAY[{bounds}] OF INT;",
-        f"FUNCTION F : INT\nVAR_IN_OUT a : {kind} OF INT; END_VAR\nVAR_INPUT i : INT; END_VAR\n  {index} := 1;\nEND_FUNCTION",
+        f"FUNCTION F : INT\nVAR_IN_OUT a : {kind} OF INT; END_VAR\n"
+        f"VAR_INPUT i : INT; END_VAR\n  {index} := 1;\nEND_FUNCTION",
     )  # fmt: skip
     assert (f.code, f.line, f.column, f.instance) == ("F0101", 4, 5, "PLC_PRG.F")
     assert "is 4, outside 1..3" in f.message
 
 
-@pytest.mark.parametrize("kind", ["SINT", "INT", "DINT", "LINT", "USINT", "UINT", "UDINT", "ULINT", "BYTE", "WORD", "DWORD", "LWORD"])
+@pytest.mark.parametrize(
+    "kind", ["SINT", "INT", "DINT", "LINT", "USINT", "UINT", "UDINT", "ULINT", "BYTE", "WORD", "DWORD", "LWORD"]
+)
 @pytest.mark.parametrize("op", ["/", "MOD"])
 def test_division_by_zero(kind, op):
     f = fault(f"a := b {op} c;", f"a, b, c : {kind};")
@@ -100,8 +103,10 @@ POINTERS = [
 @pytest.mark.parametrize(("body", "code", "column", "text"), POINTERS)
 def test_pointer(body, code, column, text):
     f = fault(
-        body, "p : POINTER TO INT; q : POINTER TO S; s : S; i : INT; r : REFERENCE TO INT; b : POINTER TO B; a : ARRAY[0..1] OF POINTER TO INT;",
-        "FUNCTION_BLOCK B VAR_INPUT x : INT; END_VAR END_FUNCTION_BLOCK TYPE S : STRUCT x : INT; n : POINTER TO S; END_STRUCT END_TYPE",
+        body, "p : POINTER TO INT; q : POINTER TO S; s : S; i : INT; r : REFERENCE TO INT; b : POINTER TO B;"
+        " a : ARRAY[0..1] OF POINTER TO INT;",
+        "FUNCTION_BLOCK B VAR_INPUT x : INT; END_VAR END_FUNCTION_BLOCK "
+        "TYPE S : STRUCT x : INT; n : POINTER TO S; END_STRUCT END_TYPE",
     )  # fmt: skip
     assert (f.code, f.line, f.column) == (code, 6, column)
     assert text in f.message
@@ -145,7 +150,13 @@ def test_fault_in_a_condition_and_an_argument():
 
 def test_fault_in_an_initial_value():
     with pytest.raises(Fault) as caught:
-        Run(program("x := 1;", "z : INT; x : INT := Zero(z);", "FUNCTION Zero : INT VAR_INPUT a : INT; END_VAR Zero := 1 / a; END_FUNCTION"))
+        Run(
+            program(
+                "x := 1;",
+                "z : INT; x : INT := Zero(z);",
+                "FUNCTION Zero : INT VAR_INPUT a : INT; END_VAR Zero := 1 / a; END_FUNCTION",
+            )
+        )
     assert caught.value.code == "F0102"
 
 
@@ -164,14 +175,16 @@ def test_endless_recursion(own):
 
 
 def test_recursion_that_ends():
-    run = Run(program("x := Sum(500);", "x : DINT;", "FUNCTION Sum : DINT VAR_INPUT n : DINT; END_VAR VAR a : ARRAY[0..20] OF DINT; END_VAR\n"
+    run = Run(program("x := Sum(500);", "x : DINT;", "FUNCTION Sum : DINT VAR_INPUT n : DINT; END_VAR "
+                      "VAR a : ARRAY[0..20] OF DINT; END_VAR\n"
                       "a[3] := n; IF n > 0 THEN Sum := a[3] + Sum(n - 1); END_IF END_FUNCTION"))  # fmt: skip
     assert run.scan()["x"] == 125250
 
 
 @pytest.mark.parametrize(
     "body",
-    ["WHILE TRUE DO\n  x := x + 1;\nEND_WHILE", "REPEAT\n  x := x + 1;\nUNTIL FALSE\nEND_REPEAT", "again:\nx := x + 1;\nJMP again;",
+    ["WHILE TRUE DO\n  x := x + 1;\nEND_WHILE", "REPEAT\n  x := x + 1;\nUNTIL FALSE\nEND_REPEAT",
+     "again:\nx := x + 1;\nJMP again;",
      "FOR i := 0 TO 10 BY step DO\n  x := x + 1;\nEND_FOR", "FOR i := 0 TO 10 DO\n  i := 0; x := x + 1;\nEND_FOR"],
 )  # fmt: skip
 def test_endless_loop(body):
@@ -192,8 +205,12 @@ def test_external(tmp_path, host):
     from stcore.machine import Machine
     from stcore.source import Source
 
-    (tmp_path / "HostAdd.st").write_text("{attribute 'external'}\nFUNCTION HostAdd : DINT\nVAR_INPUT a, b : DINT; END_VAR\nEND_FUNCTION\n")
-    made, _ = build([Source(program("  x := HostAdd(1, 2);", "x : DINT;"), "case.st")], None, [LIBRARY, tmp_path], False)
+    (tmp_path / "HostAdd.st").write_text(
+        "{attribute 'external'}\nFUNCTION HostAdd : DINT\nVAR_INPUT a, b : DINT; END_VAR\nEND_FUNCTION\n"
+    )
+    made, _ = build(
+        [Source(program("  x := HostAdd(1, 2);", "x : DINT;"), "case.st")], None, [LIBRARY, tmp_path], False
+    )
     machine = Machine(made, host)
     with pytest.raises(Fault) as caught:
         machine.run(1)

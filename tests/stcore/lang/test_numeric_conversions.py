@@ -50,9 +50,11 @@ def test_conversions_from(name):
 def test_special_values(name):
     bits = {"REAL": "pd^ := 16#7FC00000", "LREAL": "pl^ := 16#7FF8000000000000"}[name]
     run = Run(
-        f"PROGRAM PLC_PRG\nVAR x : {name}; pd : POINTER TO DWORD := ADR(x); pl : POINTER TO LWORD := ADR(x); i, j, k : DINT;"
+        f"PROGRAM PLC_PRG\nVAR x : {name}; pd : POINTER TO DWORD := ADR(x); pl : POINTER TO LWORD := ADR(x);"
+        f" i, j, k : DINT;"
         f" zero : {name}; u : USINT; b : BOOL; y : {name}; END_VAR\n"
-        f"{bits}; i := {name}_TO_DINT(x); x := 1 / zero; j := {name}_TO_DINT(x); x := -1 / zero; k := {name}_TO_DINT(x);"
+        f"{bits}; i := {name}_TO_DINT(x); x := 1 / zero; j := {name}_TO_DINT(x);"
+        f" x := -1 / zero; k := {name}_TO_DINT(x);"
         f" u := {name}_TO_USINT(x); y := x; b := x = y;\nEND_PROGRAM"
     ).scan()
     assert (run["i"], run["j"], run["k"], run["u"], run["b"]) == (0, 2**31 - 1, -(2**31), 0, True)

@@ -58,13 +58,22 @@ def test_tasks_that_are_given():
 
 
 def test_var_config_places_a_variable():
-    text = program("k := k + 1; w := %MW7;", "k AT %M* : INT; w : INT;", "VAR_CONFIG PLC_PRG.k AT %MW7 : INT := 4; END_VAR")
+    text = program(
+        "k := k + 1; w := %MW7;", "k AT %M* : INT; w : INT;", "VAR_CONFIG PLC_PRG.k AT %MW7 : INT := 4; END_VAR"
+    )
     run = Run(text).scan()
     assert (run["w"], run["%MW7"]) == (5, 5)
 
 
 def test_var_config_of_what_is_not_there():
-    found = errors(program("", "f : F;", "FUNCTION_BLOCK F VAR q AT %Q* : BOOL; END_VAR END_FUNCTION_BLOCK\nVAR_CONFIG PLC_PRG.f.q AT %QX0.0 : BOOL; END_VAR"))
+    found = errors(
+        program(
+            "",
+            "f : F;",
+            "FUNCTION_BLOCK F VAR q AT %Q* : BOOL; END_VAR END_FUNCTION_BLOCK\n"
+            "VAR_CONFIG PLC_PRG.f.q AT %QX0.0 : BOOL; END_VAR",
+        )
+    )
     assert [(d.code, d.line, d.column) for d in found] == [("E0114", 2, 12)]
 
 
