@@ -1,0 +1,171 @@
+"""BufferMode, ContinuousUpdate and what becomes of those that wait."""
+
+import pytest
+
+ABORTING, BUFFERED, LOW, PREVIOUS, NEXT, HIGH = range(6)
+
+
+def test_buffered_starts_at_the_very_end(bench):
+    bench.start("first", Position=100.0)
+    bench.start("second", Position=300.0, BufferMode=BUFFERED)
+    assert bench["second.Busy"] and not bench["second.Active"] and bench["first.Active"]
+    bench.mark = 100.0
+    bench["mark"] = 100.0
+    bench.until("first.Done")
+    assert bench["second.Active"] or bench["second.Busy"]
+    assert bench["ax.fSetPosition"] == pytest.approx(100.0, abs=0.01)
+    bench.until("second.Done")
+    # 100 and 200 units: 0.2 and 0.3 s with ramps of 0.1 s, no scan between them; Done is seen one scan later
+    assert bench["scans"] - 10 - 1 == 500
+    assert bench["ax.fSetPosition"] == 300.0 and bench.state == "standstill"
+
+
+@pytest.mark.parametrize(
+    ("mode", "v1", "v2", "at"),
+    [
+        (BUFFERED, 500, 1000, 0), (LOW, 500, 1000, 500), (PREVIOUS, 500, 1000, 500), (NEXT, 500, 1000, 1000),
+        (HIGH, 500, 1000, 1000), (LOW, 1000, 500, 500), (PREVIOUS, 1000, 500, 1000), (NEXT, 1000, 500, 500),
+        (HIGH, 1000, 500, 1000),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("jerk", [0.0, 200000.0])
+def test_blending_passes_the_end_with_its_velocity(bench, mode, v1, v2, at, jerk):
+    bench["mark"] = 300.0
+    bench.start("first", Position=300.0, Velocity=float(v1), Jerk=jerk)
+    bench.start("second", 50, Position=800.0, Velocity=float(v2), BufferMode=mode, Jerk=jerk)
+    bench.until("second.Active")
+    assert bench["first.Done"]
+    assert bench["ax.fSetPosition"] == pytest.approx(300.0, abs=2.1)
+    assert bench["atMark"] == pytest.approx(at, abs=20.0 if jerk == 0 else 5.0)
+    bench.until("second.Done")
+    assert bench["ax.fSetPosition"] == 800.0
+    assert bench["fastest"] <= max(v1, v2) + 1e-6
+
+
+def test_blending_into_the_other_direction_stops(bench):
+    bench["mark"] = 300.0
+    bench.start("first", Position=300.0)
+    bench.start("second", Position=100.0, BufferMode=HIGH)
+    bench.until("second.Done")
+    assert abs(bench["atMark"]) <= 10.0 and bench["ax.fSetPosition"] == 100.0
+
+
+def test_blending_never_passes_faster_than_the_next_can_stop(bench):
+    bench["mark"] = 300.0
+    bench.start("first", Position=300.0)
+    bench.start("second", Position=305.0, BufferMode=PREVIOUS)
+    bench.until("second.Done")
+    # 5 units with 10000 u/s2: sqrt(2 * 10000 * 5)
+    assert bench["atMark"] == pytest.approx(316.2, abs=12)
+    assert bench["ax.fSetPosition"] == 305.0
+
+
+def test_a_chain_of_three(bench):
+    for block, position in (("first", 100.0), ("second", 250.0), ("third", 400.0)):
+        bench.start(block, Position=position, BufferMode=PREVIOUS)
+    assert [bench[f"{b}.Active"] for b in ("first", "second", "third")] == [True, False, False]
+    bench.until("third.Done")
+    assert bench["scans"] - 10 - 1 == 500  # as one move of 400 units
+    bench.scan()
+    assert bench["first.Done"] and bench["second.Done"]
+
+
+def test_a_velocity_gives_way_when_it_is_reached(bench):
+    bench.start("velocity", Velocity=500.0)
+    bench.start("second", Position=500.0, BufferMode=BUFFERED)
+    assert bench["velocity.Busy"]
+    bench.until("second.Active")
+    assert bench["ax.fSetVelocity"] == pytest.approx(500.0, abs=20)
+    bench.scan()
+    assert bench["velocity.CommandAborted"] and not bench["velocity.InVelocity"]
+    bench.until("second.Done")
+
+
+def test_relative_waits_and_counts_from_the_end_before(bench):
+    bench.start("first", Position=100.0)
+    bench.start("relative", Distance=50.0, BufferMode=BUFFERED)
+    bench.start("velocity", Velocity=-300.0, Direction=1, BufferMode=LOW)
+    bench.until("relative.Done")
+    assert bench["ax.fSetPosition"] == pytest.approx(150.0, abs=0.1)
+    bench.until("velocity.InVelocity")
+    assert bench["ax.fSetVelocity"] == -300.0
+
+
+def test_an_aborting_command_empties_the_buffer(bench):
+    bench.start("first", Position=500.0)
+    bench.start("second", Position=800.0, BufferMode=BUFFERED)
+    bench.start("third", 2, Position=-100.0)
+    assert bench["first.CommandAborted"] and bench["second.CommandAborted"] and bench["third.Active"]
+    bench.until("third.Done")
+    assert bench["ax.fSetPosition"] == -100.0
+
+
+def test_an_axis_error_is_an_error_of_those_that_wait(bench):
+    bench.start("first", Position=500.0)
+    bench.start("second", 20, Position=800.0, BufferMode=BUFFERED)
+    bench["calm"] = False
+    bench.plc.axes[1].drive.alarm = True
+    bench.scan(3)
+    assert bench["first.Error"] and bench["second.Error"] and bench["second.ErrorID"] == 2
+
+
+def test_a_waiting_block_started_anew_goes_to_the_end(bench):
+    bench.start("first", Position=200.0)
+    bench.start("second", Position=400.0, BufferMode=BUFFERED)
+    bench.start("third", Position=300.0, BufferMode=BUFFERED)
+    bench.start("second", Position=500.0)
+    bench.until("third.Done")
+    assert bench["second.Busy"] and not bench["second.Done"]
+    bench.until("second.Done")
+    assert bench["ax.fSetPosition"] == 500.0
+
+
+def test_continuous_update_follows_the_inputs(bench):
+    bench.start("first", 60, Position=500.0, ContinuousUpdate=True)
+    bench["first.Position"] = 700.0
+    bench["first.Velocity"] = 400.0
+    bench.scan(100)
+    assert bench["ax.fSetVelocity"] == 400.0 and bench["first.Busy"]
+    bench["first.ContinuousUpdate"] = False
+    bench["first.Position"] = 900.0
+    bench.until("first.Done")
+    assert bench["ax.fSetPosition"] == 700.0
+
+
+def test_continuous_update_of_a_distance_counts_from_the_start(bench):
+    bench.start("first", Position=100.0)
+    bench.until("first.Done")
+    bench.start("relative", 50, Distance=200.0, ContinuousUpdate=True)
+    bench["relative.Distance"] = 20.0
+    bench.until("relative.Done")
+    assert bench["ax.fSetPosition"] == pytest.approx(120.0)
+
+
+def test_continuous_update_needs_to_be_set_at_the_edge(bench):
+    bench.start("velocity", 200, Velocity=500.0)
+    bench["velocity.ContinuousUpdate"] = True
+    bench["velocity.Velocity"] = 800.0
+    bench.scan(200)
+    assert bench["ax.fSetVelocity"] == 500.0
+    bench.start("velocity", 200, Velocity=800.0)
+    bench["velocity.Velocity"] = 600.0
+    bench.scan()
+    assert not bench["velocity.InVelocity"]
+    bench.scan(200)
+    assert bench["ax.fSetVelocity"] == 600.0 and bench["velocity.InVelocity"]
+
+
+def test_override_scales_what_runs(bench):
+    bench.start("first", 200, Position=2000.0)
+    for factor, speed in ((0.5, 500.0), (0.0, 0.0), (0.25, 250.0)):
+        bench["override.VelFactor"] = factor
+        bench["override.Enable"] = True
+        bench.scan(150)
+        assert bench["ax.fSetVelocity"] == pytest.approx(speed)
+        assert bench.state == "discrete" and bench["first.Busy"]
+    bench["override.VelFactor"] = -1.0
+    bench.scan()
+    assert bench["override.Error"] and not bench["override.Enabled"]
+    bench["override.VelFactor"] = 1.0
+    bench.until("first.Done")
+    assert bench["ax.fSetPosition"] == 2000.0
