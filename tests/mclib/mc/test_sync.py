@@ -1,0 +1,214 @@
+"""Gears, cams and phases: a slave and its masters."""
+
+import math
+
+import pytest
+
+GEAR = {"Acceleration": 5000.0, "Deceleration": 5000.0}
+
+
+def test_gear_takes_the_ratio_of_velocities(bench):
+    bench.start("run", 100, Velocity=400.0)
+    bench.start("gear", RatioNumerator=3, RatioDenominator=2, **GEAR)
+    assert bench.state == "synchronized" and bench["gear.Busy"] and not bench["gear.InGear"]
+    scans = bench.until("gear.InGear")
+    assert scans == pytest.approx(120, abs=2)  # 600 u/s with 5000 u/s2
+    assert bench["ax.fSetVelocity"] == pytest.approx(600.0)
+    slave, master = bench["ax.fSetPosition"], bench["master.fSetPosition"]
+    bench.start("run", 200, Velocity=-1000.0, Direction=1)  # the slave follows without a limit of its own
+    assert bench["ax.fSetVelocity"] == pytest.approx(-1500.0) and bench["gear.InGear"]
+    assert bench["ax.fSetPosition"] - slave == pytest.approx(1.5 * (bench["master.fSetPosition"] - master))
+
+
+def test_gear_with_jerk_limit_gets_in(bench):
+    bench.start("run", 100, Velocity=400.0)
+    bench.start("gear", Jerk=100000.0, **GEAR)
+    scans = bench.until("gear.InGear")
+    assert scans == pytest.approx(130, abs=3)  # 400 / 5000 + 5000 / 100000 s
+
+
+def test_gear_ratio_may_change_and_the_master_be_stopped(bench):
+    bench.start("run", 100, Velocity=400.0)
+    bench.start("gear", **GEAR)
+    bench.until("gear.InGear")
+    bench.start("gear", RatioNumerator=-1)
+    assert not bench["gear.InGear"]
+    bench.until("gear.InGear")
+    assert bench["ax.fSetVelocity"] == pytest.approx(-400.0)
+    bench.start("masterHalt", 200)
+    assert bench["ax.fSetVelocity"] == pytest.approx(0.0) and bench.state == "synchronized"
+
+
+def test_gear_out_keeps_the_velocity(bench):
+    bench.start("gearOut")
+    assert bench["gearOut.ErrorID"] == 700
+    bench.start("run", 100, Velocity=400.0)
+    bench.start("gear", **GEAR)
+    bench.until("gear.InGear")
+    bench.start("gearOut", 3)
+    assert bench["gearOut.Done"] and bench["gear.CommandAborted"] and not bench["gear.InGear"]
+    bench.start("masterHalt", 200)
+    assert bench["ax.fSetVelocity"] == pytest.approx(400.0) and bench.state == "continuous"
+    bench.start("halt")
+    bench.until("halt.Done")
+
+
+def test_a_slave_of_a_slave_moves_in_the_same_scan(bench):
+    bench.start("gear2", **GEAR)
+    bench.start("gear", **GEAR)
+    bench.start("run", 300, Velocity=400.0)
+    assert bench["gear.InGear"] and bench["gear2.InGear"]
+    before = bench["ax.fSetPosition"] - bench["other.fSetPosition"]
+    bench.start("run", 50, Velocity=600.0)
+    assert bench["ax.fSetPosition"] - bench["other.fSetPosition"] == pytest.approx(before)
+
+
+def test_gear_errors(bench):
+    bench.start("gear", RatioDenominator=0, **GEAR)
+    assert bench["gear.ErrorID"] == 675 and bench.state == "standstill"
+    bench.start("gear", RatioDenominator=1, Acceleration=0.0)
+    assert bench["gear.ErrorID"] == 676
+
+
+def test_gear_in_pos_meets_the_master(bench):
+    bench.start("run", Velocity=400.0)
+    bench.start("meet", MasterSyncPosition=300.0, SlaveSyncPosition=100.0, MasterStartDistance=200.0, RatioNumerator=1)
+    assert bench["meet.Busy"] and not bench["meet.StartSync"] and bench.state == "synchronized"
+    bench.until("meet.StartSync")
+    assert bench["master.fSetPosition"] == pytest.approx(100.0, abs=1.0)
+    bench.until("meet.InSync")
+    bench.scan(100)
+    assert bench["ax.fSetPosition"] - 100.0 == pytest.approx(bench["master.fSetPosition"] - 300.0)
+    assert bench["ax.fSetVelocity"] == pytest.approx(400.0)
+
+
+def test_gear_in_pos_fails_when_the_master_turns(bench):
+    bench.start("run", 100, Velocity=400.0)
+    bench.start("meet", 50, MasterSyncPosition=500.0, SlaveSyncPosition=100.0, RatioNumerator=1)
+    bench["calm"] = False
+    bench.start("run", 500, Velocity=-400.0, Direction=1)
+    assert bench["meet.Error"] and bench["meet.ErrorID"] == 775 and bench.state == "errorstop"
+
+
+def test_combine_adds_and_subtracts(bench):
+    bench.start("combine", CombineMode=1, GearRatioNumeratorM1=2)
+    assert bench["combine.InSync"] or bench["combine.Busy"]
+    bench.start("run", Velocity=300.0)
+    bench.start("run3", 300, Velocity=100.0)
+    assert bench["combine.InSync"]
+    assert bench["ax.fSetVelocity"] == pytest.approx(500.0)
+    assert bench["ax.fSetPosition"] == pytest.approx(2 * bench["master.fSetPosition"] - bench["other.fSetPosition"])
+
+
+def test_phase_shifts_the_master(bench):
+    bench.start("phase", PhaseShift=10.0, Velocity=100.0)
+    assert bench["phase.ErrorID"] == 726
+    bench.start("run", 100, Velocity=400.0)
+    bench.start("gear", **GEAR)
+    bench.until("gear.InGear")
+    before = bench["ax.fSetPosition"] - bench["master.fSetPosition"]
+    bench.start("phase", PhaseShift=20.0)
+    assert bench["phase.Busy"] and bench.state == "synchronized"
+    bench.until("phase.Done")
+    assert bench["ax.fSetPosition"] - bench["master.fSetPosition"] - before == pytest.approx(20.0)
+    bench.start("further2", PhaseShift=-5.0, Velocity=100.0)
+    bench.until("further2.Done")
+    assert bench["ax.fSetPosition"] - bench["master.fSetPosition"] - before == pytest.approx(15.0)
+    bench.start("phase", 20, PhaseShift=200.0)
+    bench.start("gearOut", 3)
+    assert bench["phase.CommandAborted"]
+
+
+def cam(bench, points, kind=3, **inputs):
+    bench["table.byType"] = kind
+    bench["table.nElements"] = len(points)
+    for i, point in enumerate(points, 1):
+        for name, value in zip(("dX", "dY", "dV", "dA"), point):
+            bench[f"table.Element[{i}].{name}"] = value
+    bench.start("select", **inputs)
+
+
+def camin(bench, **inputs):
+    for member in ("pCT", "Periodic", "MasterAbsolute", "SlaveAbsolute", "StartMaster", "EndMaster", "StartSlave", "EndSlave"):
+        bench[f"cam.CamTableID.{member}"] = bench["select.CamTableID"][member]
+    bench.start("cam", **inputs)
+
+
+RISE = [(0, 0, 0, 0), (200, 100, 0, 0), (400, 0, 0, 0)]
+
+
+def test_cam_is_followed_and_begins_anew(bench):
+    cam(bench, RISE)
+    assert bench["select.Done"]
+    camin(bench)
+    assert bench.state == "synchronized"
+    bench.start("run", 2, Velocity=200.0)
+    assert bench["cam.InSync"]
+    worst, ends = 0.0, 0
+    for _ in range(450):
+        bench.scan(10)
+        x = bench["master.fSetPosition"] % 400
+        t = x / 200 if x < 200 else 2 - x / 200
+        worst = max(worst, abs(bench["ax.fSetPosition"] - 100 * t**3 * (10 - 15 * t + 6 * t * t)))
+    assert worst < 1e-6
+    bench["calm"] = True
+
+
+def test_end_of_profile_is_a_pulse(bench):
+    cam(bench, RISE)
+    camin(bench)
+    bench.start("run", Velocity=200.0)
+    ends = []
+    for _ in range(2100):
+        bench.scan()
+        if bench["cam.EndOfProfile"]:
+            ends.append(bench["master.fSetPosition"])
+    assert len(ends) == 1 and ends[0] == pytest.approx(400.0, abs=1.0)
+
+
+def test_a_cam_that_is_not_periodic_rests_behind_its_end(bench):
+    cam(bench, [(0, 0, 0, 0), (200, 100, 0, 0)], Periodic=False)
+    camin(bench, SlaveScaling=2.0)
+    bench.start("run", 1500, Velocity=200.0)
+    assert bench["ax.fSetPosition"] == 200.0 and bench["ax.fSetVelocity"] == 0.0 and bench.state == "synchronized"
+    bench.start("camOut", 2)
+    assert bench["camOut.Done"] and bench["cam.CommandAborted"] and bench.state == "continuous"
+
+
+def test_a_relative_cam_counts_from_where_the_axes_are(bench):
+    bench.start("first", Position=70.0)
+    bench.start("carry", Position=30.0)
+    bench.until("first.Done")
+    cam(bench, [(0, 0, 0, 0), (200, 100, 0, 0)], MasterAbsolute=False, SlaveAbsolute=False)
+    camin(bench)
+    bench.start("carry", Position=230.0)
+    bench.until("carry.Done")
+    bench.scan(2)
+    assert bench["ax.fSetPosition"] == pytest.approx(170.0)
+    bench.start("carry", Position=630.0)
+    bench.until("carry.Done")
+    bench.scan(2)
+    assert bench["ax.fSetPosition"] == pytest.approx(370.0)  # each turn goes on from the one before
+
+
+def test_a_cam_is_not_jumped_to(bench):
+    bench.start("first", Position=70.0)
+    bench.until("first.Done")
+    cam(bench, RISE)
+    camin(bench)
+    assert bench["cam.ErrorID"] == 601 and bench.state == "standstill"
+    camin(bench, StartMode=2, VelocityDiff=100.0)
+    assert bench["cam.Busy"] and not bench["cam.InSync"]
+    bench.until("cam.InSync")
+    assert bench["ax.fSetPosition"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_lines_and_wrong_tables(bench):
+    cam(bench, [(0, 0), (100, 50), (50, 0)])
+    assert bench["select.ErrorID"] == 600
+    cam(bench, [(0, 0), (100, 50), (200, 150)], 2, Periodic=False)
+    camin(bench)
+    bench["calm"] = False
+    bench.start("carry", Position=150.0)
+    bench.until("carry.Done")
+    assert bench["ax.fSetPosition"] == pytest.approx(100.0)
