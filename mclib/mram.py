@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import hashlib
 import os
-import sys
 from pathlib import Path
+
+from stcore.cache import user_folder
 
 WORDS = 4096
 SIZE = 2 * WORDS  # bytes, words low byte first
@@ -70,12 +71,6 @@ def place(config: Path | None, files: list[str]) -> Path | None:
 
 def state_dir() -> Path:
     """The folder for what is kept and can't be made anew; it may not exist yet."""
-    if named := os.environ.get("SCANCYCLE_STATE"):
-        return Path(named)
-    if sys.platform == "win32":
-        base = os.environ.get("LOCALAPPDATA") or "~/AppData/Local"
-    elif sys.platform == "darwin":
-        base = "~/Library/Application Support"
-    else:
-        base = os.environ.get("XDG_STATE_HOME") or "~/.local/state"
-    return Path(os.path.expanduser(base)) / "scancycle"
+    return user_folder(
+        "SCANCYCLE_STATE", mac="~/Library/Application Support", xdg="XDG_STATE_HOME", unix="~/.local/state"
+    )

@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from stcore import syntax as s
-from stcore import types as t
 from stcore.check import CheckedProject
 from stcore.check.initial import check_init
 from stcore.diagnostics import CompileError, Diagnostic, Reporter
@@ -193,6 +192,3 @@ def _variable(var: Var, path: str, emitter: ModuleEmitter) -> Variable:
         var.name, path, var.type, emitter.address_of(var), var.constant, var.retain, var.persistent, var.library,
         var.decl.address, var.bit, var.source.path, line, var.decl.attributes,
     )  # fmt: skip
-
-
-__all__ = ["build", "check_only", "t"]

@@ -32,14 +32,19 @@ _problem = ""
 
 def cache_dir() -> Path:
     """The folder of the cache; it may not exist yet."""
-    if named := os.environ.get("SCANCYCLE_CACHE"):
+    return user_folder("SCANCYCLE_CACHE", mac="~/Library/Caches", xdg="XDG_CACHE_HOME", unix="~/.cache")
+
+
+def user_folder(variable: str, *, mac: str, xdg: str, unix: str) -> Path:
+    """A folder of this user: what the environment variable names, else the platform's place for such things."""
+    if named := os.environ.get(variable):
         return Path(named)
     if sys.platform == "win32":
         base = os.environ.get("LOCALAPPDATA") or "~/AppData/Local"
     elif sys.platform == "darwin":
-        base = "~/Library/Caches"
+        base = mac
     else:
-        base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+        base = os.environ.get(xdg) or unix
     return Path(os.path.expanduser(base)) / "scancycle"
 
 

@@ -118,6 +118,3 @@ def _unpack(data: bytes, key: str) -> Program | None:
         return pickle.loads(inner)
     except (pickle.UnpicklingError, EOFError, AttributeError, ImportError, IndexError, ValueError, TypeError):
         return None  # written by another version, or damaged: build again
-
-
-__all__ = ["CompileError", "compile", "compile_condition", "diagnose"]

@@ -272,6 +272,3 @@ def _as_result(result: object, external: External) -> int | float:
     bits = 64 if isinstance(base, t.Elementary) and base.size == 8 else 32
     value = int(result) & ((1 << bits) - 1)
     return value - (1 << bits) if value >> (bits - 1) else value
-
-
-__all__ = ["Fault", "HostError", "Machine", "assemble"]

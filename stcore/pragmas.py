@@ -28,7 +28,8 @@ class Pragmas:
             self.found.append((next_token, match[1].lower(), match[2] or ""))
         elif match := _OTHER.fullmatch(text):
             if match[1].lower() == "attribute":
-                self.problems.append(("E0109", start, start + len(text), {"text": text, "why": "an attribute is written {attribute 'name' := 'value'}"}))
+                why = "an attribute is written {attribute 'name' := 'value'}"
+                self.problems.append(("E0109", start, start + len(text), {"text": text, "why": why}))
             self.others[match[1].lower()] = match[2].strip("'")
 
     def attach(self, tokens: Tokens) -> None:

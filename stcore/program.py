@@ -176,7 +176,6 @@ class Program:
     tasks: list[TaskSpec] = field(default_factory=list)
     diagnostics: list[Diagnostic] = field(default_factory=list)
     files: list[str] = field(default_factory=list)  # of the user, then of the library
-    library_blocks: dict[str, Block] = field(default_factory=dict)
     libraries: list[str] = field(default_factory=list)  # folders that library names come from
     routines: dict[str, Routine] = field(default_factory=dict)  # upper-case name -> POU in the module, the user's first
     bodies: list[Body] = field(default_factory=list)  # of a probed build

@@ -208,7 +208,6 @@ class Run:
         progress = output.Progress(self.plc.interval)
         self.plc.on_progress(progress)
         code = DONE
-        began = time.perf_counter()
         try:
             self._run()
         except ConditionTimeout as error:
@@ -220,7 +219,6 @@ class Run:
             return self._wrong_condition(error)
         finally:
             progress.end()
-        self.wall_s = time.perf_counter() - began
         if self.plc.fault and self.stopped != "interrupt":
             self.stopped, code = "fault", FAILED
         if self.retain_problem:

@@ -164,25 +164,18 @@ def _sqrt(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
 def _trunc(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
     value = checker.value(values[0])
     value = checker.convert(value, t.REAL if value.type is t.REAL else t.LREAL)
-    target = {"TRUNC": t.DINT, "TRUNC_INT": t.INT, "LREAL_TRUNC_LINT": t.LINT}.get(name, t.DINT)
+    target = t.INT if name == "TRUNC_INT" else t.DINT
     if isinstance(value.const, float):
         node.const = saturate(value.const, target, cut=True)
     return _done(node, name, value.type, target, [value])
 
 
-def _sel(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
-    """SEL(G, IN0, IN1)."""
-    selector = checker.boolean(values[0], "the selector of SEL")
-    unified = _unify(checker, node, values[1:])
-    if unified is None:
-        return checker.wrong(node)
-    kind, rest = unified
-    return _done(node, name, kind, kind, [selector, *rest])
-
-
-def _mux(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
-    """MUX(K, IN0, IN1, ...): a K outside takes the nearest input (reference/semantics.md)."""
-    selector = checker.typed(values[0], t.DINT, "the selector of MUX")
+def _choice(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
+    """SEL(G, IN0, IN1), MUX(K, IN0, IN1, ...): a K outside takes the nearest input (reference/semantics.md)."""
+    if name == "SEL":
+        selector = checker.boolean(values[0], "the selector of SEL")
+    else:
+        selector = checker.typed(values[0], t.DINT, "the selector of MUX")
     unified = _unify(checker, node, values[1:])
     if unified is None:
         return checker.wrong(node)
@@ -334,7 +327,7 @@ def _typed(result: t.Elementary, *kinds: t.Elementary) -> Callable:
 _L = t.LREAL
 HANDLERS: dict[str, tuple[Callable, int, int]] = {
     "ABS": (_abs, 1, 1), "SQRT": (_sqrt, 1, 1), "MIN": (_same_type, 2, 999), "MAX": (_same_type, 2, 999),
-    "LIMIT": (_same_type, 3, 3), "MOVE": (_same_type, 1, 1), "SEL": (_sel, 3, 3), "MUX": (_mux, 2, 999),
+    "LIMIT": (_same_type, 3, 3), "MOVE": (_same_type, 1, 1), "SEL": (_choice, 3, 3), "MUX": (_choice, 2, 999),
     "TRUNC": (_trunc, 1, 1), "TRUNC_INT": (_trunc, 1, 1), "SHL": (_shift, 2, 2), "SHR": (_shift, 2, 2),
     "ROL": (_shift, 2, 2), "ROR": (_shift, 2, 2), "NOT": (_not, 1, 1), "ADR": (_adr, 1, 1), "SIZEOF": (_sizeof, 1, 1),
     "BITADR": (_bitadr, 1, 1), "LOWER_BOUND": (_bound, 2, 2), "UPPER_BOUND": (_bound, 2, 2),

@@ -48,7 +48,7 @@ class Calls(Expressions):
             symbol = self.lookup(node.callee.name)
             if isinstance(symbol, Builtin):
                 return builtins.check(self, symbol.name, node)
-            if symbol is self.pou_result() and symbol is not None:
+            if symbol is not None and self.pou is not None and symbol is self.pou.result:
                 symbol = self.pou  # a function that calls itself
             if symbol is None and "TO_" in key(node.callee.name):
                 made = self._overloaded_conversion(node)
@@ -68,9 +68,6 @@ class Calls(Expressions):
             node.callee = self.expr(node.callee)
             symbol = node.callee.symbol
         return self._call_symbol(node, symbol, checked)
-
-    def pou_result(self) -> Var | None:
-        return self.pou.result if self.pou is not None else None
 
     def _call_symbol(self, node: s.Call, symbol: object, checked: bool) -> s.Node:
         if isinstance(symbol, Pou) and symbol.kind == "FUNCTION":
@@ -163,7 +160,7 @@ class Calls(Expressions):
         node.symbol = call
         node.type = pou.result.type if pou.result is not None else None
         if "real_result" in pou.attributes and node.type is t.LREAL and self._all_real(call):
-            return self._single_precision(node)
+            return self._wrapped(node, t.REAL)
         return node
 
     @staticmethod
@@ -175,9 +172,6 @@ class Calls(Expressions):
 
         given = [v for _, v in call.values if v is not None]
         return any(origin(v) is t.REAL for v in given) and all(origin(v) is t.REAL or v.const is not None for v in given)
-
-    def _single_precision(self, node: s.Call) -> s.Node:
-        return self._wrapped(node, t.REAL)
 
     def _chain(self, node: s.Call, pou: Pou) -> s.Node:
         """CONCAT(a, b, c): CONCAT(CONCAT(a, b), c)."""

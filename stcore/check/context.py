@@ -21,7 +21,6 @@ class Context:
         self.unknown: set[str] = set()  # reported once a POU
         self.loops = 0
         self.labels: frozenset[str] = frozenset()  # that JMP can reach
-        self.constant_only = False
 
     def report(self, code: str, node: s.Node, hint: str = "", **fields) -> None:
         self.project.reporter.add(code, self.source, node.start, node.end, hint=hint, **fields)

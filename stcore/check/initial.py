@@ -6,7 +6,7 @@ from stcore import syntax as s
 from stcore import types as t
 from stcore.check.conversions import Conversions
 from stcore.near import near
-from stcore.scope import Init, Pou, key
+from stcore.scope import Init, key
 
 
 class Initials(Conversions):
@@ -93,6 +93,3 @@ def check_init(project, init: Init, kind: t.Type) -> s.Node:
         checker = Checker(project, init.source, init.pou, init.library)
         init.value = checker.initial(init.node, kind)
     return init.value
-
-
-__all__ = ["Initials", "Pou", "check_init"]

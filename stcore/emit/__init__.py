@@ -46,7 +46,6 @@ class ModuleEmitter:
         self.images = ImageBuilder(project)
         self.sites: list[Site] = []
         self.functions: list[str] = []
-        self.function_names: list[str] = []
         self.externals: list[External] = []
         self.needed: dict[str, tuple[Pou, s.Action | None]] = {}
         self.queue: list[tuple[str, Pou, s.Action | None]] = []
@@ -228,7 +227,7 @@ class ModuleEmitter:
             name, pou, action = self.queue.pop()
             emitter = FunctionEmitter(self, pou, pou.source, pou.address if pou.kind == "PROGRAM" else None)
             body = pou.tree.body if action is None else action.body
-            self.functions.append(emitter.code(body, name, is_pou=action is None))
+            self.functions.append(emitter.code(body, name))
             if self.probes:
                 hook = "call_after_scan" in pou.attributes
                 self.bodies[emitter.number] = Body(pou.name, pou.type, pou.address, emitter.seen, pou.library, hook)
@@ -239,7 +238,6 @@ class ModuleEmitter:
             data, late = self.images.of_variable(var) if var is not None else self.images.of_type(kind)
             self.late += [(address, x) for x in late]
         lines = []
-        declared = []
         for base, late in self.late:
             pou = late.pou
             emitter = FunctionEmitter(self, pou or _NOWHERE, late.source, base + late.owner)
@@ -247,7 +245,7 @@ class ModuleEmitter:
             name = f"$init{len(lines)}"
             self.functions.append(emitter._assemble(name, [], [], [], emitter.lines))
             lines.append(f"(call {name})")
-        return "\n".join([*declared, '(func (export "init")', *lines, ")"])
+        return "\n".join(['(func (export "init")', *lines, ")"])
 
     def storage(self):
         """(address, type, variable or None) of everything that the image holds, constants first."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 from stcore import syntax as s
 from stcore import types as t
 from stcore.check.calls import BlockCall, FunctionCall
+from stcore.emit import values
 from stcore.emit.expressions import Expressions
-from stcore.emit.values import address, constant, store, wasm_type
+from stcore.emit.values import address, constant, load, store, wasm_type
 from stcore.program import HOST_FAILED
 from stcore.scope import ActionOf, Pou, Var
 
@@ -108,8 +109,6 @@ class Calls(Expressions):
         return address("(local.get $fp)", self.frame(parameter.type.size, parameter.type.align))
 
     def _store_output(self, parameter: Var, place: s.Node, value: str) -> str:
-        from stcore.emit import values
-
         base, goal = t.base_of(parameter.type), t.base_of(place.type)
         if isinstance(base, t.Elementary) and isinstance(goal, t.Elementary):
             value = values.convert(base, goal, value)
@@ -175,10 +174,8 @@ class Calls(Expressions):
         source = s.Name(place.start, place.end, parameter.name)
         source.type = parameter.type
         if t.is_aggregate(parameter.type):
-            self.line(self.copy_bytes(place.type, self.address_of(place), address(base, offset), parameter.type))
+            self.line(self.copy_bytes(place.type, self.address_of(place), address(base, offset)))
         else:
-            from stcore.emit.values import load
-
             self.line(self._store_output(parameter, place, load(parameter.type, base, offset)))
 
     def action_call(self, symbol: ActionOf) -> None:

@@ -111,7 +111,7 @@ class FunctionEmitter(Statements):
 
     # -------------------------------------------------------------------------------------------- whole
 
-    def code(self, body: list[s.Node], name: str, *, is_pou: bool = True) -> str:
+    def code(self, body: list[s.Node], name: str) -> str:
         """The whole (func ...) of a body."""
         pou = self.pou
         if self.module.probes:
@@ -198,7 +198,7 @@ class FunctionEmitter(Statements):
             else:
                 self.frame_of[p] = offset = self.frame(p.type.size, p.type.align)
                 self.seen.append((p.name, p.type, offset, False))
-                self.line(self.copy_bytes(p.type, address("(local.get $fp)", offset), f"(local.get {name})", p.type))
+                self.line(self.copy_bytes(p.type, address("(local.get $fp)", offset), f"(local.get {name})"))
         elif p.addressed or self.probed:
             self.frame_of[p] = offset = self.frame(p.type.size, p.type.align)
             self.seen.append((p.name, p.type, offset, False))
@@ -273,7 +273,7 @@ class FunctionEmitter(Statements):
         """An initial value that is no constant, into the variable at this place."""
         text, offset = self.narrow(late.node), offset + late.offset
         if t.is_aggregate(late.type):
-            self.line(self.copy_bytes(late.type, address(base, offset), text, late.node.type))
+            self.line(self.copy_bytes(late.type, address(base, offset), text))
         else:
             self.line(store(late.type, base, offset, text))
 

@@ -8,7 +8,7 @@ from stcore.check.width import held, wide
 from stcore.emit.calls import Calls
 from stcore.emit.counting import Counting
 from stcore.emit.ranges import Range, range_of, steady
-from stcore.emit.values import address, constant, convert, load, number, store, wasm_type, wrap
+from stcore.emit.values import constant, convert, load, number, store, wasm_type, wrap
 from stcore.program import INTERRUPT, Branch
 from stcore.scope import Var, key
 
@@ -116,9 +116,9 @@ class Statements(Calls):
 
     def copy_text(self, kind: t.Type, to: str, value: s.Node) -> str:
         """Copy an aggregate value to an address."""
-        return self.copy_bytes(kind, to, self.value(value), value.type)
+        return self.copy_bytes(kind, to, self.value(value))
 
-    def copy_bytes(self, kind: t.Type, to: str, source: str, source_kind: t.Type) -> str:
+    def copy_bytes(self, kind: t.Type, to: str, source: str) -> str:
         if isinstance(kind, t.String):
             call = "$wstr_copy" if kind.wide else "$str_copy"
             return f"(call {call} {to} {source} (i32.const {kind.length}))"
@@ -350,9 +350,6 @@ class Statements(Calls):
         s.Assign: assign, s.ExprStmt: Calls.call_statement, s.If: if_, s.Case: case, s.For: for_, s.While: while_,
         s.Repeat: repeat, s.Exit: exit, s.Continue: continue_, s.Return: return_, s.Label: nothing, s.Jump: jump,
     }  # fmt: skip
-
-    def in_text(self, var: Var) -> str:
-        return address(*self.var_place(var))
 
 
 def _fits(last: tuple[int, int], step: int, kind: t.Elementary) -> bool:
