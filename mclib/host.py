@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Callable, Iterator
 from functools import cache
@@ -171,6 +172,10 @@ def bind_axes(plc) -> None:
         struct.pack_into("<I", memory, axis + ref, address)
     most = max(len(addresses), struct.unpack_from("<h", memory, count)[0])
     struct.pack_into("<h", memory, count, most)
+    # how many scans a block may stay away from its axis: those of the slowest task
+    slowest = max((task.interval or 0 for task in program.timed), default=0)
+    patience = min(max(1, math.ceil(slowest / round(plc.interval * 1e9))), 32766) + 1
+    struct.pack_into("<h", memory, program.variables["SIM.PATIENCE"].address, patience)
 
 
 def axis_addresses(program: Program) -> Iterator[int]:

@@ -1,5 +1,6 @@
-"""Three axes under the blocks of PLCopen Part 1. The program itself watches the axes in every scan, so that many scans run
-in one call: no jump of position or velocity, one owner an axis, at most one of Busy, Done, Error, CommandAborted."""
+"""Three axes under the blocks of PLCopen Part 1. The program itself watches the axes in every scan, so that many scans
+run in one call: no jump of position or velocity, one owner an axis,
+at most one of Busy, Done, Error and CommandAborted."""
 
 import pytest
 
@@ -55,10 +56,7 @@ power(Axis := ax); power2(Axis := master, Enable := TRUE, bRegulatorOn := TRUE, 
 power3(Axis := other, Enable := TRUE, bRegulatorOn := TRUE, bDriveStart := TRUE);
 run(Axis := master); run3(Axis := other); carry(Axis := master); masterHalt(Axis := master); override(Axis := ax);
 """
-    + "".join(
-        _block(n, "Axis := ax", done=n not in ENDLESS)
-        for n in BLOCKS
-    )
+    + "".join(_block(n, "Axis := ax", done=n not in ENDLESS) for n in BLOCKS)
     + "".join(_block(n, f"Axis := ax, {table} := {n}Table") for n, (_, table, _) in TABLES.items())
     + "".join(_block(n, "Master := master, Slave := ax", done=False) for n in ("gear", "meet", "cam"))
     + "gear2(Master := ax, Slave := other);\n"
@@ -132,6 +130,19 @@ class Bench:
             self.scan()
         self[f"{block}.Execute"] = True
         self.scan(scans)
+
+    def profile(self, name, pairs, absolute=True, **inputs):
+        """Write the (ms, value) pairs into the table of a profile block and start it."""
+        letter, member = {
+            "positions": ("P", "position"),
+            "velocities": ("V", "velocity"),
+            "accelerations": ("A", "acceleration"),
+        }[name]
+        for i, (time, value) in enumerate(pairs, 1):
+            self[f"{name}Table.MC_T{letter}_Array[{i}].delta_time"] = time / 1000
+            self[f"{name}Table.MC_T{letter}_Array[{i}].{member}"] = value
+        self[f"{name}Table.IsAbsolute"] = absolute
+        self.start(name, ArraySize=len(pairs), **inputs)
 
     def outputs(self, block: str) -> str:
         """The one output that is TRUE."""

@@ -8,7 +8,9 @@ POWER = "power(Axis := ax, Enable := TRUE, bRegulatorOn := TRUE, bDriveStart := 
 
 
 def load(declared: str, statements: str):
-    plc = PLC.load(f"PROGRAM P VAR ax : AXIS_REF_SM3; power : MC_Power; {declared} END_VAR\n{POWER} {statements}\nEND_PROGRAM")
+    plc = PLC.load(
+        f"PROGRAM P VAR ax : AXIS_REF_SM3; power : MC_Power; {declared} END_VAR\n{POWER} {statements}\nEND_PROGRAM"
+    )
     plc.scan(10)
     return plc
 
@@ -22,7 +24,10 @@ def until(plc, name: str, most: int = 20000) -> int:
 
 
 def test_home_where_it_stands():
-    plc = load("home : MC_Home; move : MC_MoveAbsolute;", "home(Axis := ax); move(Axis := ax, Velocity := 100, Acceleration := 1000, Deceleration := 1000);")
+    plc = load(
+        "home : MC_Home; move : MC_MoveAbsolute;",
+        "home(Axis := ax); move(Axis := ax, Velocity := 100, Acceleration := 1000, Deceleration := 1000);",
+    )
     plc["P.home.Position"] = 50.0
     plc["P.home.Execute"] = True
     until(plc, "home.Done", 5)
@@ -34,10 +39,14 @@ def test_home_where_it_stands():
     assert plc["P.ax.fActPosition"] == 60.0 and plc.axes[1].encPos == 10.0
 
 
-HOME = "home : MC_Home; stop : MC_Stop; write : MC_WriteParameter; read : MC_ReadParameter; info : MC_ReadAxisInfo; velocity : MC_MoveVelocity;"
+HOME = (
+    "home : MC_Home; stop : MC_Stop; write : MC_WriteParameter; read : MC_ReadParameter; info : MC_ReadAxisInfo;"
+    "velocity : MC_MoveVelocity;"
+)
 CALLS = (
     "home(Axis := ax); stop(Axis := ax, Deceleration := 50000); write(Axis := ax); read(Axis := ax, Enable := TRUE);"
-    "info(Axis := ax, Enable := TRUE); velocity(Axis := ax, Velocity := 100, Acceleration := 1000, Deceleration := 1000);"
+    "info(Axis := ax, Enable := TRUE);"
+    "velocity(Axis := ax, Velocity := 100, Acceleration := 1000, Deceleration := 1000);"
 )
 
 
@@ -131,7 +140,8 @@ def test_home_fails_at_the_limit_and_by_its_timeout():
 
 SMC = """
 homing(Axis := ax, fHomePosition := 5, fVelocitySlow := 10, fVelocityFast := 100, fAcceleration := 1000,
-    fDeceleration := 1000, bReferenceSwitch := NOT (ax.fActPosition + shift >= from_ AND ax.fActPosition + shift <= to_),
+    fDeceleration := 1000,
+    bReferenceSwitch := NOT (ax.fActPosition + shift >= from_ AND ax.fActPosition + shift <= to_),
     bIndexOccured := index, fIndexPosition := indexAt);
 """
 SMC_VARS = "homing : SMC_Homing; from_, to_, shift, indexAt : LREAL; index : BOOL;"
@@ -141,7 +151,10 @@ SMC_VARS = "homing : SMC_Homing; from_, to_, shift, indexAt : LREAL; index : BOO
     ("mode", "direction", "edge"), [(0, -1, 1), (1, -1, 1), (4, -1, -1), (5, -1, -1), (0, 1, -1), (4, 1, 1)]
 )
 def test_smc_homing_finds_the_edge(mode, direction, edge):
-    """The switch is closed from -30 to -20 (from 20 to 30 in the positive direction); raw position = fActPosition + shift."""
+    """The switch is closed from -30 to -20 (from 20 to 30 in the positive direction).
+
+    shift: what the position read is away from the motor's.
+    """
     plc = load(SMC_VARS, SMC)
     plc["P.from_"], plc["P.to_"] = (-30.0, -20.0) if direction < 0 else (20.0, 30.0)
     plc["P.homing.nHomingMode"] = mode
@@ -156,7 +169,7 @@ def test_smc_homing_finds_the_edge(mode, direction, edge):
         assert plc["P.homing.bBusy"] != plc["P.homing.bDone"] and not plc["P.homing.bError"]
     assert fastest == pytest.approx(100.0) and plc["P.ax.nAxisState"] == 3
     # inside, the switch reads closed; the edge is at its upper end when the slow motion goes up
-    at = (plc["P.to_"] if edge > 0 else plc["P.from_"])
+    at = plc["P.to_"] if edge > 0 else plc["P.from_"]
     zero = plc.axes[1].position - plc["P.ax.fActPosition"]
     if mode in (0, 4):
         # AM600: fHomePosition + (fSignalDelay + one cycle) * fVelocitySlow, where the edge was seen
@@ -167,7 +180,10 @@ def test_smc_homing_finds_the_edge(mode, direction, edge):
 
 
 def test_smc_homing_compensates_the_signal_delay_exactly():
-    plc = load(SMC_VARS + "seen : LREAL; was : BOOL;", SMC + "IF ax.fActPosition - seen > 1 AND homing.bBusy THEN was := TRUE; END_IF seen := ax.fActPosition;")
+    plc = load(
+        SMC_VARS + "seen : LREAL; was : BOOL;",
+        SMC + "IF ax.fActPosition - seen > 1 AND homing.bBusy THEN was := TRUE; END_IF seen := ax.fActPosition;",
+    )
     plc["P.from_"], plc["P.to_"] = -30.0, -20.0
     plc["P.homing.fSignalDelay"] = 0.05
     plc["P.homing.bExecute"] = True
@@ -214,7 +230,8 @@ def test_smc_homing_begins_on_the_switch_and_is_refused():
 PROBE = "probe, probe2 : MC_TouchProbe; abort : MC_AbortTrigger; trigger : TRIGGER_REF; velocity : MC_MoveVelocity;"
 PROBING = (
     "velocity(Axis := ax, Velocity := 100, Acceleration := 1000, Deceleration := 1000);"
-    "probe(Axis := ax, TriggerInput := trigger); probe2(Axis := ax, TriggerInput := trigger); abort(Axis := ax, TriggerInput := trigger);"
+    "probe(Axis := ax, TriggerInput := trigger); probe2(Axis := ax, TriggerInput := trigger);"
+    "abort(Axis := ax, TriggerInput := trigger);"
 )
 
 
@@ -248,7 +265,9 @@ def test_probe_records_once(number):
     assert plc["P.probe.RecordedPosition"] == at
 
 
-@pytest.mark.parametrize(("modulo", "first", "last", "hits"), [(False, 10, 20, [15]), (True, 350, 10, [5, 355]), (False, 20, 10, None)])
+@pytest.mark.parametrize(
+    ("modulo", "first", "last", "hits"), [(False, 10, 20, [15]), (True, 350, 10, [5, 355]), (False, 20, 10, None)]
+)
 def test_probe_window(modulo, first, last, hits):
     plc = load(PROBE, PROBING)
     if modulo:
@@ -294,7 +313,8 @@ def test_abort_trigger():
 PERSIST = """
 VAR_GLOBAL PERSISTENT RETAIN data : SMC3_PersistPosition{kind}_Data; END_VAR
 PROGRAM P
-VAR ax : {axis}; power : MC_Power; persist : SMC3_PersistPosition{kind}; move : MC_MoveAbsolute; setpos : MC_SetPosition; on : BOOL := TRUE; END_VAR
+VAR ax : {axis}; power : MC_Power; persist : SMC3_PersistPosition{kind}; on : BOOL := TRUE;
+    move : MC_MoveAbsolute; setpos : MC_SetPosition; END_VAR
 persist(Axis := ax, PersistentData := data, bEnable := on);
 power(Axis := ax, Enable := TRUE, bRegulatorOn := TRUE, bDriveStart := TRUE);
 setpos(Axis := ax);
@@ -303,7 +323,9 @@ END_PROGRAM
 """
 
 
-@pytest.mark.parametrize(("kind", "axis"), [("", "AXIS_REF_SM3"), ("Singleturn", "AXIS_REF_SM3"), ("Logical", "AXIS_REF_LOGICAL_SM3")])
+@pytest.mark.parametrize(
+    ("kind", "axis"), [("", "AXIS_REF_SM3"), ("Singleturn", "AXIS_REF_SM3"), ("Logical", "AXIS_REF_LOGICAL_SM3")]
+)
 def test_a_position_outlives_the_power(kind, axis):
     plc = PLC.load(PERSIST.format(kind=kind, axis=axis))
     plc.scan(5)
@@ -331,7 +353,8 @@ def test_a_position_outlives_the_power(kind, axis):
 
 
 @pytest.mark.parametrize(
-    ("kind", "axis"), [("", "AXIS_REF_LOGICAL_SM3"), ("Singleturn", "AXIS_REF_VIRTUAL_SM3"), ("Logical", "AXIS_REF_SM3")]
+    ("kind", "axis"),
+    [("", "AXIS_REF_LOGICAL_SM3"), ("Singleturn", "AXIS_REF_VIRTUAL_SM3"), ("Logical", "AXIS_REF_SM3")],
 )
 def test_other_kinds_of_axes_are_refused(kind, axis):
     plc = PLC.load(PERSIST.format(kind=kind, axis=axis))
@@ -341,8 +364,10 @@ def test_other_kinds_of_axes_are_refused(kind, axis):
 
 def test_digital_inputs_and_outputs():
     plc = load(
-        "i : MC_INPUT_REF; o : MC_OUTPUT_REF; ri : MC_ReadDigitalInput; ro : MC_ReadDigitalOutput; w : MC_WriteDigitalOutput;",
-        "w(Output := o, OutputNumber := 31, Value := TRUE); ri(Input := i, Enable := TRUE, InputNumber := 3); ro(Output := o, Enable := TRUE);",
+        "i : MC_INPUT_REF; o : MC_OUTPUT_REF; ri : MC_ReadDigitalInput; ro : MC_ReadDigitalOutput;"
+        "w : MC_WriteDigitalOutput;",
+        "w(Output := o, OutputNumber := 31, Value := TRUE); ri(Input := i, Enable := TRUE, InputNumber := 3);"
+        "ro(Output := o, Enable := TRUE);",
     )
     plc["P.i.Values"] = 8
     plc["P.w.Execute"] = True
@@ -356,14 +381,27 @@ def test_digital_inputs_and_outputs():
 
 def test_cam_switches():
     plc = load(
-        "cams : MC_CAMSWITCH_REF; o : MC_OUTPUT_REF; tracks : MC_TRACK_REF; digital : MC_DigitalCamSwitch; velocity : MC_MoveVelocity;",
+        "cams : MC_CAMSWITCH_REF; o : MC_OUTPUT_REF; tracks : MC_TRACK_REF; digital : MC_DigitalCamSwitch;"
+        "velocity : MC_MoveVelocity;",
         "velocity(Axis := ax, Velocity := 100, Acceleration := 1E6, Deceleration := 1E6);"
         "digital(Axis := ax, Switches := cams, Outputs := o, TrackOptions := tracks, Enable := TRUE, EnableMask := 7);",
     )
-    switches = [(1, 10.0, 20.0, 0, 0, 0.0), (2, 15.0, 30.0, 2, 0, 0.0), (3, 10.0, 11.0, 0, 1, 0.05), (1, 40.0, 50.0, 0, 0, 0.0)]
+    switches = [
+        (1, 10.0, 20.0, 0, 0, 0.0),
+        (2, 15.0, 30.0, 2, 0, 0.0),
+        (3, 10.0, 11.0, 0, 1, 0.05),
+        (1, 40.0, 50.0, 0, 0, 0.0),
+    ]
     plc["P.cams.Number"] = len(switches)
     for i, (track, first, last, way, mode, duration) in enumerate(switches, 1):
-        for name, value in (("TrackNumber", track), ("FirstOnPosition", first), ("LastOnPosition", last), ("AxisDirection", way), ("CamSwitchMode", mode), ("Duration", duration)):
+        for name, value in (
+            ("TrackNumber", track),
+            ("FirstOnPosition", first),
+            ("LastOnPosition", last),
+            ("AxisDirection", way),
+            ("CamSwitchMode", mode),
+            ("Duration", duration),
+        ):
             plc[f"P.cams.Switches[{i}].{name}"] = value
     plc["P.tracks.OnAdvance[1]"] = 0.01  # 10 ms at 100 u/s: one unit earlier
     plc["P.velocity.Execute"] = True
@@ -374,7 +412,9 @@ def test_cam_switches():
         for track, places in on.items():
             if plc["P.o.Values"] >> (track - 1) & 1:
                 places.append(at)
-    assert min(on[1]) == pytest.approx(9.0, abs=0.11) and max(p for p in on[1] if p < 30) == pytest.approx(20.0, abs=0.11)
+    assert min(on[1]) == pytest.approx(9.0, abs=0.11) and max(p for p in on[1] if p < 30) == pytest.approx(
+        20.0, abs=0.11
+    )
     assert min(p for p in on[1] if p > 30) == pytest.approx(39.0, abs=0.11)
     assert on[2] == []  # only in the negative direction
     assert min(on[3]) == pytest.approx(10.0, abs=0.11) and len(on[3]) == 50

@@ -43,7 +43,9 @@ def test_superimposed_again_and_by_another(bench):
     bench.start("over2", Distance=10.0, VelocityDiff=100.0)
     bench.until("over2.Done")
     assert bench["over.CommandAborted"] or bench["over.Done"]
-    assert bench["ax.fSetPosition"] - 0.5 * bench["scans"] - start == pytest.approx(60.0 if added >= 50 else added + 10, abs=6)
+    assert bench["ax.fSetPosition"] - 0.5 * bench["scans"] - start == pytest.approx(
+        60.0 if added >= 50 else added + 10, abs=6
+    )
 
 
 def test_halt_superimposed_leaves_the_base_alone(bench):
@@ -78,7 +80,7 @@ def test_superimposed_wants_values_and_no_profile(bench):
     assert bench["over.ErrorID"] == 276
     bench.start("halt")
     bench.until("halt.Done")
-    profile(bench, "positions", [(500, 100.0)])
+    bench.profile("positions", [(500, 100.0)])
     bench.start("over", Distance=5.0, VelocityDiff=10.0)
     assert bench["over.ErrorID"] == 278
 
@@ -116,17 +118,8 @@ def test_smc_continuous_takes_a_direction(bench, direction, end):
     assert bench["smcFurther.ErrorID"] == 427
 
 
-def profile(bench, name, pairs, absolute=True, **inputs):
-    letter, member = {"positions": ("P", "position"), "velocities": ("V", "velocity"), "accelerations": ("A", "acceleration")}[name]
-    for i, (time, value) in enumerate(pairs, 1):
-        bench[f"{name}Table.MC_T{letter}_Array[{i}].delta_time"] = time / 1000
-        bench[f"{name}Table.MC_T{letter}_Array[{i}].{member}"] = value
-    bench[f"{name}Table.IsAbsolute"] = absolute
-    bench.start(name, ArraySize=len(pairs), **inputs)
-
-
 def test_position_profile_passes_its_points(bench):
-    profile(bench, "positions", [(400, 100.0), (300, 100.0), (500, -50.0)], Offset=0.0)
+    bench.profile("positions", [(400, 100.0), (300, 100.0), (500, -50.0)], Offset=0.0)
     assert bench.state == "discrete" and bench["positions.Active"]
     bench.scan(399)
     assert bench["ax.fSetPosition"] == pytest.approx(100.0)
@@ -140,24 +133,26 @@ def test_position_profile_passes_its_points(bench):
 
 
 def test_relative_position_profile_scales_and_offsets(bench):
-    profile(bench, "positions", [(200, 10.0), (200, 20.0)], absolute=False, PositionScale=2.0, Offset=5.0)
+    bench.profile("positions", [(200, 10.0), (200, 20.0)], absolute=False, PositionScale=2.0, Offset=5.0)
     bench.until("positions.Done")
     assert bench["ax.fSetPosition"] == pytest.approx(65.0)
 
 
 def test_velocity_profile_is_an_s_curve(bench):
-    profile(bench, "velocities", [(200, 300.0), (400, 300.0), (200, 0.0)])
+    bench.profile("velocities", [(200, 300.0), (400, 300.0), (200, 0.0)])
     bench.scan(99)
     assert bench["ax.fSetVelocity"] == pytest.approx(150.0) and bench["ax.fSetAcceleration"] == pytest.approx(3000.0)
     bench.scan(100)
-    assert bench["ax.fSetVelocity"] == pytest.approx(300.0) and bench["ax.fSetAcceleration"] == pytest.approx(0.0, abs=1e-6)
+    assert bench["ax.fSetVelocity"] == pytest.approx(300.0) and bench["ax.fSetAcceleration"] == pytest.approx(
+        0.0, abs=1e-6
+    )
     bench.until("velocities.Done")
     # mean velocities: 150 * 0.2 + 300 * 0.4 + 150 * 0.2
     assert bench["ax.fSetPosition"] == pytest.approx(180.0)
 
 
 def test_acceleration_profile_adds_half_the_sum_of_a_segment(bench):
-    profile(bench, "accelerations", [(100, 2000.0), (100, 0.0), (100, -2000.0), (100, 0.0)])
+    bench.profile("accelerations", [(100, 2000.0), (100, 0.0), (100, -2000.0), (100, 0.0)])
     bench.scan(99)
     assert bench["ax.fSetVelocity"] == pytest.approx(100.0)  # (0 + 2000) / 2 * 0.1 (AM600)
     bench.scan(100)
@@ -167,7 +162,7 @@ def test_acceleration_profile_adds_half_the_sum_of_a_segment(bench):
 
 
 def test_a_profile_that_ends_in_motion_needs_a_command(bench):
-    profile(bench, "velocities", [(200, 300.0)])
+    bench.profile("velocities", [(200, 300.0)])
     bench["calm"] = False
     bench.until("velocities.Done")
     bench.scan(3)
@@ -175,15 +170,17 @@ def test_a_profile_that_ends_in_motion_needs_a_command(bench):
 
 
 def test_a_profile_that_ends_in_motion_may_be_followed(bench):
-    profile(bench, "velocities", [(200, 300.0)])
+    bench.profile("velocities", [(200, 300.0)])
     bench.start("first", Position=400.0, BufferMode=1)
     bench.until("first.Done")
     assert bench["velocities.Done"] and bench["ax.fSetPosition"] == 400.0
 
 
-@pytest.mark.parametrize(("name", "size", "step"), [("positions", 325, 326), ("velocities", 350, 351), ("accelerations", 375, 376)])
+@pytest.mark.parametrize(
+    ("name", "size", "step"), [("positions", 325, 326), ("velocities", 350, 351), ("accelerations", 375, 376)]
+)
 def test_wrong_tables(bench, name, size, step):
-    profile(bench, name, [(0, 1.0)])
+    bench.profile(name, [(0, 1.0)])
     assert bench[f"{name}.ErrorID"] == step
     for count in (0, 101, -1):
         bench.start(name, ArraySize=count)
