@@ -26,7 +26,7 @@ class Pending:
     library: bool
     extra: object = None  # the section of a global; the type name of an enum value; a GlobalList
     symbol: object = None
-    early: object = None  # the symbol while it is being resolved: for pointers to it, and values of an enumeration
+    early: object = None  # an enumeration while it is being resolved: for values that use those before them
     busy: bool = False
     at: int = 0  # where the name stands
 
@@ -58,10 +58,8 @@ class Declarer:
                 return t.String(min(max(length, 1), 65535), node.wide)
             case s.ArrayOf():
                 return self._array(node, pou)
-            case s.PointerTo():
-                return t.Pointer(self._pointee(node.target, pou))
-            case s.ReferenceTo():
-                return t.Pointer(self._pointee(node.target, pou), reference=True)
+            case s.PointerTo() | s.ReferenceTo():
+                return self._pointer(node, pou)
             case s.EnumDef():
                 return self._enum(node, name or "ENUM", pou)
             case s.Subrange():
@@ -91,13 +89,26 @@ class Declarer:
             self.error("E0202", node, name=node.name, near=near(node.name, known))
         return t.ERROR
 
-    def _pointee(self, node: s.Node, pou: Pou | None) -> t.Type:
-        """A pointer may lead to a type that is still being declared: a list's next element."""
-        if isinstance(node, s.NamedType):
-            entry = self._being_declared(node.name)
-            if entry is not None and entry.early is not None:
-                return entry.early.type
-        return self.type(node, pou=pou)
+    def _pointer(self, node: s.PointerTo | s.ReferenceTo, pou: Pou | None) -> t.Pointer:
+        """What it points to may lead back to the type that is being declared: then it is filled in later."""
+        target, project = node.target, self.project
+        pointer = t.Pointer(t.ERROR, isinstance(node, s.ReferenceTo))
+        if project.declaring and self._is_open(target, pou):
+            pointer.name = pointer.name.replace("?", " ".join(self.source.text[target.start : target.end].split()))
+            project.postponed.append(lambda: pointer.lead_to(self.type(target, pou=pou)))
+        else:
+            pointer.lead_to(self.type(target, pou=pou))
+        return pointer
+
+    def _is_open(self, node: s.Node, pou: Pou | None) -> bool:
+        """Whether a type can't be used yet without resolving another declaration."""
+        while isinstance(node, s.ArrayOf):
+            node = node.element
+        if not isinstance(node, s.NamedType) or pou is not None and key(node.name) in pou.bindings:
+            return False
+        upper = t.ALIASES.get(key(node.name), key(node.name))
+        entry = (self.project.library if self.library else self.project.user).get(upper)
+        return upper not in t.ELEMENTARY and (entry is None or entry.symbol is None)
 
     def _integer(self, node: s.Node, pou: Pou | None, default: int) -> int:
         value = self.project.evaluate(node, self.source, pou, self.library)
@@ -150,9 +161,6 @@ class Declarer:
     def _struct(self, node: s.StructDef | s.UnionDef, name: str, pou: Pou | None) -> t.Struct:
         union = isinstance(node, s.UnionDef)
         struct = t.Struct(name, {}, union)
-        entry = self._being_declared(name)
-        if entry is not None:
-            entry.early = TypeName(struct)
         if not union and node.extends:
             base = self.named(s.NamedType(node.start, node.end, node.extends, None), pou)
             if isinstance(base, t.Struct):
@@ -257,7 +265,6 @@ class Declarer:
             pou.type = t.Block(tree.name, tree.kind, file=self.source.path, attributes=tree.attributes)
             self.project.block_pous[pou.type] = pou
             self.project.named_types[key(tree.name)] = pou.type
-            entry.early = pou
             self._variables(pou)
             self._lay_out(pou)
         self.project.pous.append(pou)

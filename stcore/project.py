@@ -53,6 +53,8 @@ class Project:
         self.element_inits: dict[t.Array, Init] = {}  # of elements whose named type has an initial value
         self.block_pous: dict[t.Block, Pou] = {}
         self.named_types: dict[str, t.Type] = {}
+        self.declaring = 0  # declarations that are being resolved
+        self.postponed: list[Callable[[], None]] = []  # to do when none is: the targets of pointers
         self.needs: list[str] = []  # library programs that a global list brings along
         self.top = NULL_PAGE  # next free address of the image
         self.evaluate: Callable[[s.Node, Source, Pou | None, bool], object] = lambda *_: None
@@ -206,6 +208,15 @@ class Project:
             self.reporter.add("E0203", entry.source, entry.at, entry.at + len(name), name=name)
             return None
         entry.busy = True
+        self.declaring += 1
+        self._declare(entry)
+        self.declaring -= 1
+        entry.busy = False
+        while self.postponed and not self.declaring:
+            self.postponed.pop()()
+        return entry.symbol
+
+    def _declare(self, entry: Pending) -> None:
         match entry.kind:
             case "pou":
                 entry.symbol = Declarer(self, entry.source, entry.library).pou(entry)
@@ -220,8 +231,6 @@ class Project:
                     entry.symbol = None if number is None else EnumValue(symbol.type, number)
             case "global":
                 entry.symbol = Declarer(self, entry.source, entry.library).global_variable(entry)
-        entry.busy = False
-        return entry.symbol
 
     def _type_decl(self, entry: Pending) -> t.Type:
         tree = entry.tree

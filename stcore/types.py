@@ -153,7 +153,12 @@ class Pointer(Type):
     align: int = 4
 
     def __post_init__(self) -> None:
-        self.name = f"{'REFERENCE' if self.reference else 'POINTER'} TO {self.target.name}"
+        self.lead_to(self.target)
+
+    def lead_to(self, target: Type) -> None:
+        """Set the target, of a pointer that was made before it."""
+        self.target = target
+        self.name = f"{'REFERENCE' if self.reference else 'POINTER'} TO {target.name}"
 
 
 @dataclass(eq=False, slots=True, repr=False)

@@ -1,0 +1,38 @@
+"""Declarations that refer to each other: types in a circle of pointers, constants in any order."""
+
+import pytest
+from running import diagnostics, errors, program, run
+
+
+def test_a_pointer_to_an_array_of_the_structure_it_stands_in():
+    made = run(
+        "tree[0].n := 1; tree[0].kids := ADR(leaves); leaves[2].n := 7; leaves[1].kids := ADR(leaves);"
+        "x := tree[0].kids^[2].n; y := leaves[1].kids^[2].n; size := SIZEOF(tree[0].kids^); other := leaves;",
+        "tree : ARRAY[0..1] OF Node; leaves, other : ARRAY[1..3] OF Node; x, y, size : INT;",
+        "TYPE Node : STRUCT n : INT; kids : POINTER TO ARRAY[1..3] OF Node; deep : POINTER TO POINTER TO Node;"
+        " END_STRUCT END_TYPE",
+    )
+    assert [made[n] for n in ("x", "y", "size", "other[2].n")] == [7, 7, 36, 7]
+
+
+def test_types_that_lead_to_each_other_through_pointers():
+    made = run(
+        "a.next := ADR(b); b.own.n := 5; b.back := ADR(a); x := a.next^.own.n; a.next^.back^.n := 6; y := a.n; f();"
+        " g.fs[1].n := 9; g.fs[1].owner := ADR(g); f.owner := ADR(g); z := f.owner^.fs[1].n;",
+        "a : A; b : B; x, y, z : INT; f : F; g : G;",
+        "TYPE A : STRUCT n : INT; next : POINTER TO B; row : POINTER TO ARRAY[0..1] OF B; END_STRUCT\n"
+        "B : STRUCT own : A; back : POINTER TO A; END_STRUCT END_TYPE\n"
+        "FUNCTION_BLOCK F VAR n : INT; owner : POINTER TO G; END_VAR END_FUNCTION_BLOCK\n"
+        "FUNCTION_BLOCK G VAR fs : ARRAY[0..1] OF F; END_VAR END_FUNCTION_BLOCK",
+    )
+    assert [made[n] for n in ("x", "y", "z")] == [5, 6, 9]
+
+
+def test_a_structure_that_holds_itself_is_still_an_error():
+    found = errors(program("", "a : A;", "TYPE A : STRUCT p : POINTER TO A; row : ARRAY[0..1] OF A; END_STRUCT END_TYPE"))
+    assert [d.code for d in found] == ["E0203"]
+
+
+def test_an_unknown_type_behind_a_pointer_is_one_error():
+    found = errors(program("a.p^.n := 1;", "a : A;", "TYPE A : STRUCT p : POINTER TO Nowhere; END_STRUCT END_TYPE"))
+    assert [d.code for d in found] == ["E0202"]
