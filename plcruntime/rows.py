@@ -27,7 +27,7 @@ class Keeper:
         if _HUGE is None or len(data) < LARGE or len(data) > ARENA:
             return bytes(data)
         if self._used + len(data) > ARENA:
-            memory = mmap.mmap(-1, ARENA)
+            memory = mmap.mmap(-1, ARENA, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
             memory.madvise(_HUGE)
             self._arena, self._used = memoryview(memory), 0
         part = self._arena[self._used : self._used + len(data)]
