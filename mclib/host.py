@@ -80,7 +80,13 @@ def functions(plc) -> dict[str, Callable]:
             return 0
         return 1
 
-    found = {"HOSTREADCONFIG": read_config, "HOSTREADMRAM": read_mram, "HOSTWRITEMRAM": write_mram}
+    def refused(number: int) -> int:
+        plc.returns.note(number)
+        return 1
+
+    found = {
+        "HOSTREADCONFIG": read_config, "HOSTREADMRAM": read_mram, "HOSTWRITEMRAM": write_mram, "HOSTREFUSED": refused,
+    }  # fmt: skip
     if any(e.name.upper().endswith("MOTION") for e in plc.program.externals):
         from mclib.motion_programs import host
 

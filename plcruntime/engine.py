@@ -40,7 +40,6 @@ class Engine:
         self.guard = Guard(machine, watchdog)
         self.after_scan: list[Callable[[], None]] = []
         self.after_call: list[Callable[[], None]] = []  # whoever looks now and then, some 20 times a second
-        self.longest_call: int | None = None  # scans that one call may run, for whoever must look more often
         self.between_calls: Callable[[int, int], None] | None = None  # (scans done, scans wanted), for progress
         self.fault: Fault | None = None
         self.run_s = 0.0
@@ -152,7 +151,7 @@ class Engine:
         if tested or self.after_scan or self.recorder.dynamic:
             step = 1
         else:
-            step = min(left, self.longest_call or left, self._chunk, self.schedule.scans_until_next(scans) or left)
+            step = min(left, self._chunk, self.schedule.scans_until_next(scans) or left)
         if clock:
             step = min(step, clock.step)
         if self.recorder.active:

@@ -33,6 +33,7 @@ from stcore.program import Program
 if TYPE_CHECKING:
     from plcruntime.html_report.recording import Recording
     from plcruntime.retain import RetainFile
+    from plcruntime.returns import ReturnLog
     from plcruntime.trace import Trace
     from plcruntime.trigger import Trigger
     from plcruntime.typed import Typed
@@ -81,6 +82,7 @@ class PLC:
         self.assertion: Exception | None = None  # of an ST test, the one that failed
         self.origin: tuple | None = None  # what `build` was told, for another build of the same program
         self._machine = self.new_machine(program)
+        self.returns: ReturnLog | None = None  # see `log_returns`
         self._engine = Engine(program, self._machine, ns, WATCHDOG if limit is None else limit)
         self._bind = host.bind_axes if host else None
         self.retain: RetainFile | None = None  # its `report` tells what became of the values that it held
@@ -392,6 +394,15 @@ class PLC:
     def snapshot(self) -> Snapshot:
         """The whole state at this scan boundary, for `restore`."""
         return self._engine.snapshot()
+    def log_returns(self) -> ReturnLog:
+        """Note from now on every command that doesn't return 0, with time, place and reason: ``.entries``."""
+        from plcruntime.returns import ReturnLog
+
+        if self.returns is None:
+            self.returns = ReturnLog(self)
+            self.returns.begin()
+        return self.returns
+
 
     def restore(self, snapshot: Snapshot) -> None:
         """Return to a snapshot: variables, clock, forces, fault. Raises ValueError for another program's."""
@@ -405,6 +416,8 @@ class PLC:
         """Off and on: RETAIN and PERSISTENT variables keep their values, all else starts anew, the clock too."""
         self.reset("warm")
 
+        if self.returns:
+            self.returns.begin()
     def reset(self, kind: str = "warm") -> None:
         """'warm' keeps RETAIN and PERSISTENT, 'cold' only PERSISTENT, 'origin' nothing. Forces are released.
 
@@ -455,6 +468,8 @@ class PLC:
         if not len(self.axes):
             return
         for axis in self.project.axes:
+        if self.returns:
+            self.returns.begin()
             for member, value in axis.members.items():
                 try:
                     self[f"{ROOT}[{axis.number}].{member}"] = value

@@ -45,8 +45,7 @@ class Fault(Exception):
 
 def locate(program: Program, memory: memoryview, code: str, frames: list[tuple[int, int]], cause: str = "") -> Fault:
     """The fault of a trap. frames: (function index, offset in the module), innermost first."""
-    bodies = _Bodies(program.wasm)
-    found = [_site(program, bodies, offset) for _, offset in frames]
+    found = _sites(program, frames)
     sites = [s for s in found if s is not None]
     whole = not found or found[-1] is None  # the scan loop has no site; of a deep nesting the outer frames are not known
     if len(sites) > 1 and sites[0].code == "F0105":
@@ -65,11 +64,16 @@ def locate(program: Program, memory: memoryview, code: str, frames: list[tuple[i
     entry = CODES[code]
     named = {"value": values, "low": low, "high": high, "what": what, "cause": cause}
     scan = struct.unpack_from("<q", memory, SCAN)[0]
-    path = _path(sites) if whole else f"...{_path(sites)}"
+    path = instance_path(sites) if whole else f"...{instance_path(sites)}"
     return Fault(code, entry.message.format(**named), site, path, scan, entry.hint.format(**named), sites)
 
 
-def _path(sites: list[Site]) -> str:
+def calls_under_way(program: Program, frames: list[tuple[int, int]]) -> list[Site]:
+    """The sites of the calls that a stack holds, innermost first; frames as for `locate`."""
+    return [s for s in _sites(program, frames) if s is not None]
+
+
+def instance_path(sites: Sequence[Site]) -> str:
     """The instance path, from the outermost POU inwards: names of the instances called, where they are known."""
     parts: list[str] = []
     for site in reversed(sites):
@@ -81,9 +85,10 @@ def _path(sites: list[Site]) -> str:
     return ".".join(parts)
 
 
-def _site(program: Program, bodies: _Bodies, offset: int) -> Site | None:
-    number = bodies.last_marker(offset)
-    return program.sites[number] if number is not None and 0 <= number < len(program.sites) else None
+def _sites(program: Program, frames: list[tuple[int, int]]) -> list[Site | None]:
+    bodies = _Bodies(program.wasm)
+    numbers = [bodies.last_marker(offset) for _, offset in frames]
+    return [program.sites[n] if n is not None and 0 <= n < len(program.sites) else None for n in numbers]
 
 
 class _Bodies:

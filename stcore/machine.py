@@ -12,8 +12,8 @@ import wasmtime
 
 from stcore import cache
 from stcore import types as t
-from stcore.faults import Fault, locate
-from stcore.program import HOST_FAILED, INTERRUPT, INTERVAL, TASK_RATIOS, UNTIL, External, Program
+from stcore.faults import Fault, calls_under_way, locate
+from stcore.program import HOST_FAILED, INTERRUPT, INTERVAL, TASK_RATIOS, UNTIL, External, Program, Site
 
 # What a trap of wasmtime is to a PLC programmer; 'unreachable' is a check of ours, whose site names the fault.
 _TRAPS = {
@@ -99,6 +99,8 @@ class Machine:
         self._trapped = True  # the first call sets the stack up
         self._used = program.limit
         self._conditions: dict[bytes, wasmtime.Func] = {}
+        self._look: wasmtime.Func | None = None
+        self._stacks: dict[tuple, list[Site]] = {}
         self._view: memoryview | None = None
         self._grow_to(program.limit + 64)
         self.initialise()
@@ -229,6 +231,21 @@ class Machine:
             struct.pack_into("<i", self.memory, HOST_FAILED, 0)
 
     # --------------------------------------------------------------------------------------------- host
+
+    def calls_under_way(self) -> list[Site]:
+        """For a function of the host that the module has called: the sites on the stack, innermost first.
+
+        A trap in a call of our own tells the frames of the suspended run below it."""
+        if self._look is None:
+            module = wasmtime.Module(engine(), f'(module ${SIDE} (func (export "look") unreachable))')
+            self._look = wasmtime.Instance(self._store, module, []).exports(self._store)["look"]
+        try:
+            self._look(self._store)
+        except wasmtime.Trap as trap:
+            frames = tuple((f.func_index, f.module_offset) for f in trap.frames if f.module_name != SIDE)
+        if frames not in self._stacks:
+            self._stacks[frames] = calls_under_way(self.program, list(frames))
+        return self._stacks[frames]
 
     def _probe(self) -> wasmtime.Func:
         kinds = [wasmtime.ValType.i32()] * 4

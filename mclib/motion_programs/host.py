@@ -36,7 +36,7 @@ def functions(plc, memory: Callable[[], memoryview]) -> dict[str, Callable]:
         _put(memory(), message_at, message)
         return line
 
-    def download(name_at: int, code_at: int, symbols_at: int) -> int:
+    def download(name_at: int, code_at: int, symbols_at: int, loaded_at: int) -> int:
         name = _text(memory(), name_at)
         file = find(name, plc) if len(name) <= LONGEST else None
         if file is None:
@@ -54,6 +54,7 @@ def functions(plc, memory: Callable[[], memoryview]) -> dict[str, Callable]:
         data = b"".join(symbols)
         memory()[code_at : code_at + len(code)] = code
         memory()[symbols_at : symbols_at + len(data)] = data
+        _put(memory(), loaded_at, str(file))
         return len(symbols)
 
     return {"HOSTCOMPILEMOTION": compile_program, "HOSTDOWNLOADMOTION": download}

@@ -118,6 +118,7 @@ def _add_run(commands) -> None:
     add("--post", metavar="TIME", default="200ms", help="virtual time after the trigger (200ms)")
     add("--report", metavar="OUT.html", help="a page with plots, cursors, events and the program; needs no network")
     add("--overlay", metavar="RUN.npz", help="draw the trace of another run behind that of the report")
+    add("--log-returns", action="store_true", help="show every command that did not return 0: when, where, why")
     add("--retain", metavar="FILE", help="read and keep RETAIN and PERSISTENT variables")
     add("--json", action="store_true", help="print one JSON object")
     add("--strict", action="store_true", help="a mended misprint is an error")

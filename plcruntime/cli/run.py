@@ -130,6 +130,7 @@ class Run:
         self.plc, self.arguments, self.compile_s = plc, arguments, compile_s
         self.stopped = "for"
         self.retain_problem = ""
+        self.returns = plc.log_returns() if arguments.log_returns else None
         try:
             names = split_names(arguments.watch)
             self.everything = EVERYTHING in names
@@ -270,14 +271,17 @@ class Run:
             self._print_values()
             self._print_summary()
 
+            if self.returns:
+                self._print_returns()
     def _result(self) -> dict:
         plc = self.plc
         speed = plc.time / plc.run_seconds if plc.run_seconds else None
         return {
             "scans": plc.scans, "time": plc.time, "stopped": self.stopped,
+        returns = {"returns": self.returns.as_json()} if self.returns else {}
             "fault": report.fault_json(plc.fault, plc.time) if plc.fault else None,
             "diagnostics": _as_objects(plc.diagnostics), "vars": self._values(),
-            "timing": {"compile_s": self.compile_s, "run_s": plc.run_seconds, "real_time_factor": speed},
+            "timing": {"compile_s": self.compile_s, "run_s": plc.run_seconds, "real_time_factor": speed}, **returns,
         }  # fmt: skip
 
     def _values(self) -> dict:
@@ -305,6 +309,19 @@ class Run:
 
     def _print_summary(self) -> None:
         plc = self.plc
+    def _print_returns(self) -> None:
+        """The log of --log-returns, a line a call; the same call again and again is one line."""
+        interval = self.plc.interval
+        entries = self.returns.entries
+        for entry in entries:
+            call = entry.call
+            inside = f" in {call.instance}" if call.instance else ""
+            print(f"{entry.scan * interval:.9g} s  {call.place or '(typed)'}{inside}: {entry.words(interval)}")
+        if not entries:
+            print("every command returned 0")
+        if self.returns.lost:
+            print(f"{self.returns.lost} more commands did not return 0: too many to note them")
+
         seconds = plc.run_seconds
         speed = f", {plc.time / seconds:,.0f} times real time" if seconds and not self.arguments.realtime else ""
         print(

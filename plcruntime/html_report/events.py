@@ -28,8 +28,9 @@ class Event:
 
 def collect(recording: Recording, sources: list[tuple[str, str]]) -> list[Event]:
     """In the order of time; sources: (path, text) of the program's files."""
-    found = [*_stimuli(recording), *_commands(recording), *_blocks(recording), *_axes(recording)]
-    found += _fault(recording, [path for path, _ in sources])
+    files = [path for path, _ in sources]
+    found = [*_stimuli(recording), *_commands(recording, files), *_blocks(recording), *_axes(recording)]
+    found += _fault(recording, files)
     found.sort(key=lambda e: e[0].time)
     for event, words in found:
         event.lines = event.lines or _mentions(sources, words)
@@ -47,25 +48,15 @@ def _stimuli(recording: Recording):
             yield Event(scan * plc.interval, "stimulus", text), ""
 
 
-def _commands(recording: Recording):
-    """The same error in scan after scan is one event."""
+def _commands(recording: Recording, files: list[str]):
     interval = recording.plc.interval
-    running: dict[tuple, list] = {}
-    groups = []
-    for r in recording.refusals:
-        key = (r.command, r.axis, r.code, r.why)
-        group = running.get(key)
-        if group and r.scan - group[1] <= 1:
-            group[1], group[2] = r.scan, group[2] + 1
-        else:
-            running[key] = group = [r.scan, r.scan, 1]
-            groups.append((key, group))
-    for (command, axis, code, why), (first, last, times) in groups:
-        again = f" ({times} times until {last * interval:.9g} s)" if times > 1 else ""
-        yield Event(first * interval, "command", f"{command}({axis}) returned {code}: {why}{again}"), command
-    if recording.refusals_lost:
-        text = f"{recording.refusals_lost} more commands returned errors, too many at once to note them"
-        yield Event(recording.refusals[-1].scan * interval, "command", text), ""
+    returns = recording.returns
+    for entry in returns.entries:
+        call = entry.call
+        lines = [(files.index(call.file), call.line)] if call.file in files else []
+        yield Event(entry.scan * interval, "command", entry.words(interval), lines), call.command
+    if returns.lost:
+        yield Event(recording.plc.time, "command", f"{returns.lost} more commands returned errors, not noted"), ""
 
 
 def _blocks(recording: Recording):

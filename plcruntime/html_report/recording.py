@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,19 +14,6 @@ if TYPE_CHECKING:
     from plcruntime.plc import PLC
 
 COLUMNS = 1500  # variables recorded when none is named; with more only the programs' own scalars
-CALL = 32  # scans between two looks at the commands that returned errors: as many as the library remembers
-REFUSALS, REFUSED = "SIM.refusals", "SIM.refused"
-
-
-@dataclass(slots=True)
-class Refusal:
-    """A command that did not return 0."""
-
-    scan: int
-    command: str
-    axis: int
-    code: int
-    why: str
 
 
 class Recording:
@@ -42,27 +28,7 @@ class Recording:
         curves = axis_names(plc, scans)
         states = [n for n in self.state_names if n.replace(".state", ".prfPos") in curves]
         self.trace = plc.trace(*dict.fromkeys((*curves, *states, *self.error_names, *(names or _everything(plc)))))
-        self.refusals: list[Refusal] = []
-        self.refusals_lost = 0
-        self._seen = plc[REFUSALS] if _is_there(plc, REFUSALS) else None
-        if self._seen is not None:
-            plc._engine.longest_call = CALL
-            plc._engine.after_call.append(self._look)
-
-    def _look(self) -> None:
-        """Note the commands that returned errors since the last look."""
-        count = self.plc[REFUSALS]
-        new = count - self._seen
-        if new <= 0:  # none, or the PLC went back
-            self._seen = count
-            return
-        ring = self.plc[REFUSED]
-        known = min(new, len(ring))
-        self.refusals_lost += new - known
-        for k in range(count - known, count):
-            entry = ring[k % len(ring)]
-            self.refusals.append(Refusal(entry["scan"], entry["command"], entry["axis"], entry["code"], entry["why"]))
-        self._seen = count
+        self.returns = plc.log_returns()
 
     def to_html(
         self, path: str | Path, *, title: str = "", overlay: str | Path | None = None, stopped: str = ""
