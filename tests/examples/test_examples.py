@@ -12,7 +12,7 @@ from plcruntime.cli import main
 FOLDER = Path(__file__).resolve().parents[2] / "examples_st"
 ALL = sorted(FOLDER.glob("*.st"))
 FILES = [f for f in ALL if not f.stem.startswith("test_")]  # those are tests themselves
-KEYS = ("run", "expect", "fault", "errors")
+KEYS = ("run", "again", "picture", "expect", "fault", "errors")
 
 
 def directives(text: str) -> dict[str, str]:
@@ -52,7 +52,7 @@ def literal(text: str) -> object:
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda f: f.stem)
-def test_example(file, capsys):
+def test_example(file, capsys, tmp_path):
     wanted = directives(file.read_text(encoding="utf-8"))
     assert wanted["shows"], "the first comment does not say what the program shows"
     if "errors" in wanted:
@@ -63,7 +63,12 @@ def test_example(file, capsys):
     expected = expectations(wanted.get("expect", ""))
     watch = ["--watch", ",".join(path for path, _, _ in expected)] if expected else []
 
-    code = main(["run", str(file), *shlex.split(wanted["run"]), *watch, "--json"])
+    options = [*watch, "--json"]
+    if "again" in wanted:
+        options += ["--retain", str(tmp_path / "kept")]
+        assert main(["run", str(file), *shlex.split(wanted["run"]), *options]) == 0
+        capsys.readouterr()
+    code = main(["run", str(file), *shlex.split(wanted.get("again", wanted["run"])), *options])
 
     result = json.loads(capsys.readouterr().out)
     fault = result["fault"] and f"{result['fault']['code']} in line {result['fault']['line']}"
