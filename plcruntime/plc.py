@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from plcruntime.trace import Trace
     from plcruntime.trigger import Trigger
     from plcruntime.typed import Typed
+    from plcruntime.warnings import RunWarning
 
 INTERVAL = 1_000_000  # ns, of a scan where nothing says otherwise
 WATCHDOG = 2.0  # s of wall clock for one scan
@@ -81,8 +82,8 @@ class PLC:
         self.scheduled: list[tuple[int, str]] = []  # scan and text of every stimulus, for reports
         self.assertion: Exception | None = None  # of an ST test, the one that failed
         self.origin: tuple | None = None  # what `build` was told, for another build of the same program
-        self._machine = self.new_machine(program)
         self.returns: ReturnLog | None = None  # see `log_returns`
+        self._machine = self.new_machine(program)
         self._engine = Engine(program, self._machine, ns, WATCHDOG if limit is None else limit)
         self._bind = host.bind_axes if host else None
         self.retain: RetainFile | None = None  # its `report` tells what became of the values that it held
@@ -198,8 +199,16 @@ class PLC:
 
     @property
     def diagnostics(self) -> list[Diagnostic]:
-        """The compiler's warnings."""
-        return self.program.diagnostics
+        """The compiler's warnings, then those of the running program (`warnings`)."""
+        return [*self.program.diagnostics, *self.warnings]
+
+    @property
+    def warnings(self) -> list[RunWarning]:
+        """What the program did wrong with its motion blocks so far: codes W08.., each with the block's instance path,
+        scan and time; once for each block and code. ``scancycle explain W0801`` has the page of a code."""
+        from plcruntime import warnings
+
+        return warnings.of(self)
 
     @property
     def run_seconds(self) -> float:
@@ -385,15 +394,6 @@ class PLC:
 
         return Recording(self, list(names))
 
-    def stop_trace(self, trace) -> None:
-        """Stop recording; the rows stay."""
-        self._engine.recorder.remove(trace, self.scans)
-
-    # -------------------------------------------------------------------------------- going back, restarting
-
-    def snapshot(self) -> Snapshot:
-        """The whole state at this scan boundary, for `restore`."""
-        return self._engine.snapshot()
     def log_returns(self) -> ReturnLog:
         """Note from now on every command that doesn't return 0, with time, place and reason: ``.entries``."""
         from plcruntime.returns import ReturnLog
@@ -403,10 +403,21 @@ class PLC:
             self.returns.begin()
         return self.returns
 
+    def stop_trace(self, trace) -> None:
+        """Stop recording; the rows stay."""
+        self._engine.recorder.remove(trace, self.scans)
+
+    # -------------------------------------------------------------------------------- going back, restarting
+
+    def snapshot(self) -> Snapshot:
+        """The whole state at this scan boundary, for `restore`."""
+        return self._engine.snapshot()
 
     def restore(self, snapshot: Snapshot) -> None:
         """Return to a snapshot: variables, clock, forces, fault. Raises ValueError for another program's."""
         self._engine.restore(snapshot)
+        if self.returns:
+            self.returns.begin()
 
     def back(self, scans: int = 1) -> None:
         """Go back by scans; the scan in which the program failed counts as one. Raises ValueError beyond the memory."""
@@ -416,8 +427,6 @@ class PLC:
         """Off and on: RETAIN and PERSISTENT variables keep their values, all else starts anew, the clock too."""
         self.reset("warm")
 
-        if self.returns:
-            self.returns.begin()
     def reset(self, kind: str = "warm") -> None:
         """'warm' keeps RETAIN and PERSISTENT, 'cold' only PERSISTENT, 'origin' nothing. Forces are released.
 
@@ -459,6 +468,8 @@ class PLC:
 
     def _configure(self) -> None:
         """What the configuration says of the axes, and which axis of the program is which of the simulator."""
+        if self.returns:
+            self.returns.begin()
         if self._bind:
             self._bind(self)
         if "ECAT.SLAVE" in self.program.variables:
@@ -468,8 +479,6 @@ class PLC:
         if not len(self.axes):
             return
         for axis in self.project.axes:
-        if self.returns:
-            self.returns.begin()
             for member, value in axis.members.items():
                 try:
                     self[f"{ROOT}[{axis.number}].{member}"] = value

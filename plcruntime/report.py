@@ -11,7 +11,7 @@ def fault_text(fault, time: float | None = None) -> str:
     """For reading: place, code, message, the source line with a caret, instance, scan and time, hint."""
     place = f"{fault.file}:{fault.line}:{fault.column}: " if fault.file else ""
     lines = [f"{place}fault {fault.code}: {fault.message}"]
-    source_line = _source_line(fault.file, fault.line)
+    source_line = line_of(fault.file, fault.line)
     if source_line is not None:
         # keep tabs in front of the caret, so that it stands under its character in any terminal
         pad = "".join(c if c == "\t" else " " for c in source_line[: max(0, fault.column - 1)])
@@ -29,7 +29,7 @@ def fault_json(fault, time: float | None = None) -> dict:
     return {**{key: getattr(fault, key) for key in keys}, "time": time}
 
 
-def _source_line(file: str, number: int) -> str | None:
+def line_of(file: str, number: int) -> str | None:
     """The line of the source, None where there is none to show: a text without file, a line past the end."""
     if not file or number < 1 or not Path(file).is_file():
         return None

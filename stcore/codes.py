@@ -2,7 +2,8 @@
 
 E01.. lexing and parsing, W01.. mends of printed listings (errors under --strict), E02.. declarations and types,
 E03.. names and expressions, W03.. conversions that may lose something, E04.. calls, E05.. statements,
-E06.. constants and initial values, E07.. files and projects, F.... faults of a running program.
+E06.. constants and initial values, E07.. files and projects, W08.. mistakes that show while a
+program runs, F.... faults of a running program.
 """
 
 from __future__ import annotations
@@ -139,6 +140,31 @@ CODES: dict[str, Code] = {
     "E0703": Code("several programs and no task: {names}", "name one of them PLC_PRG, or configure tasks in plc.toml"),
     "E0704": Code("{path} can't be read: {why}"),
     "E0705": Code("there is no .st file in the folder {path}"),
+    # --- W08: what a running program does wrong with its motion blocks (plcruntime/warnings.py)
+    "W0801": Code(
+        "{name} moves {axis} and was not called: the axis went to errorstop",
+        "call it in every scan until it is done, outside of IF and CASE: Execute starts a motion, the calls keep it up",
+    ),
+    "W0802": Code(
+        "{name} is started in the first scan, when {axis} can't be on yet, and never again",
+        "let the Status of MC_Power, or a step of the program, start it: what is TRUE from the start rises only once",
+    ),
+    "W0803": Code(
+        "{name} was started before {axis} was switched on, so nothing moves",
+        "start it when MC_Power shows Status; now its command has to fall and rise again",
+    ),
+    "W0804": Code(
+        "{name} is called before {other}, so it sees {axis} ready a scan late",
+        "call MC_Power first, then the blocks that move the axis",
+    ),
+    "W0805": Code(
+        "{name} started {axis} and lost it in the same scan to {other}",
+        "one command at a time; what shall follow another is called after it and needs a BufferMode",
+    ),
+    "W0806": Code(
+        "{name} is a second MC_Power for {axis}, beside {other}; the one called last counts",
+        "one MC_Power an axis",
+    ),
     # --- F: faults of a running program
     "F0101": Code("the index {what} is {value}, outside {low}..{high}"),
     "F0102": Code("integer division by zero"),

@@ -273,6 +273,28 @@ def user_places(program: Program) -> list[Place]:
     return places
 
 
+def around(program: Program, address: int) -> list[Place]:
+    """What lies around an address: the user's variable, its member, that one's member, and so on inwards."""
+    for place in user_places(program):
+        if not place.hops and place.address <= address < place.address + place.size:
+            return [place, *_inwards(place, address)]
+    return []
+
+
+def _inwards(place: Place, address: int) -> Iterator[Place]:
+    while True:
+        inner, t = None, place.type
+        if isinstance(t, Array):
+            inner = _element(place, _indices_of(t, (address - place.address) // t.element.size))
+        elif isinstance(t, Struct | Block):
+            own = (of_field(place, f) for f in t.members.values() if not f.by_reference and f.section != "VAR_STAT")
+            inner = next((p for p in own if p.address <= address < p.address + p.size), None)
+        if inner is None:
+            return
+        place = inner
+        yield place
+
+
 def small_places(program: Program, most: int) -> tuple[list[Place], list[str]]:
     """Every variable of the user down to members, but no array of more than `most` elements; and the names of those."""
     found: list[Place] = []
@@ -302,18 +324,22 @@ def leaves(place: Place) -> Iterator[Place]:
     t = place.type
     if isinstance(t, Array):
         for i in range(t.size // t.element.size if t.element.size else 0):
-            indices = []
-            rest = i
-            for low, high in reversed(t.bounds):
-                rest, k = divmod(rest, high - low + 1)
-                indices.append(low + k)
-            yield from leaves(_element(place, indices[::-1]))
+            yield from leaves(_element(place, _indices_of(t, i)))
     elif isinstance(t, Struct | Block):
         for f in t.members.values():
             if not f.by_reference and f.section not in ("VAR_TEMP", "VAR_STAT"):
                 yield from leaves(of_field(place, f))
     else:
         yield place
+
+
+def _indices_of(t: Array, number: int) -> list[int]:
+    """The indices of the element of an array that comes `number` elements after the first."""
+    indices = []
+    for low, high in reversed(t.bounds):
+        number, k = divmod(number, high - low + 1)
+        indices.append(low + k)
+    return indices[::-1]
 
 
 def _known(program: Program) -> list[str]:

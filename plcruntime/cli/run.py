@@ -261,6 +261,8 @@ class Run:
 
     def _show(self) -> None:
         plc = self.plc
+        if not self.arguments.json:
+            output.print_diagnostics(plc.warnings)
         if plc.fault:
             print(report.fault_text(plc.fault, plc.time), file=sys.stderr)
         if self.stopped == "interrupt":
@@ -269,16 +271,16 @@ class Run:
             print(output.to_json(self._result()))
         else:
             self._print_values()
-            self._print_summary()
-
             if self.returns:
                 self._print_returns()
+            self._print_summary()
+
     def _result(self) -> dict:
         plc = self.plc
         speed = plc.time / plc.run_seconds if plc.run_seconds else None
+        returns = {"returns": self.returns.as_json()} if self.returns else {}
         return {
             "scans": plc.scans, "time": plc.time, "stopped": self.stopped,
-        returns = {"returns": self.returns.as_json()} if self.returns else {}
             "fault": report.fault_json(plc.fault, plc.time) if plc.fault else None,
             "diagnostics": _as_objects(plc.diagnostics), "vars": self._values(),
             "timing": {"compile_s": self.compile_s, "run_s": plc.run_seconds, "real_time_factor": speed}, **returns,
@@ -307,8 +309,6 @@ class Run:
         if rows:
             output.print_table(("variable", "value", "type"), rows)
 
-    def _print_summary(self) -> None:
-        plc = self.plc
     def _print_returns(self) -> None:
         """The log of --log-returns, a line a call; the same call again and again is one line."""
         interval = self.plc.interval
@@ -322,6 +322,8 @@ class Run:
         if self.returns.lost:
             print(f"{self.returns.lost} more commands did not return 0: too many to note them")
 
+    def _print_summary(self) -> None:
+        plc = self.plc
         seconds = plc.run_seconds
         speed = f", {plc.time / seconds:,.0f} times real time" if seconds and not self.arguments.realtime else ""
         print(

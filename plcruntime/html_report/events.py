@@ -1,4 +1,4 @@
-"""The events of a run: stimuli, commands that returned errors, blocks in error, axes in errorstop, the fault."""
+"""The events of a run: stimuli, commands that returned errors, blocks in error, warnings, axes in errorstop, a fault."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ MOST = 2000  # events shown
 
 @dataclass(slots=True)
 class Event:
-    """kind: 'stimulus', 'command', 'block', 'axis' or 'fault'. time: s. lines: (number of the file, line) to mark."""
+    """kind: 'stimulus', 'command', 'block', 'warning', 'axis' or 'fault'. time: s. lines: (number of the file, line) to
+    mark."""
 
     time: float
     kind: str
@@ -107,6 +108,12 @@ def _rises(column) -> list[int]:
 
     column = np.asarray(column, bool)
     return (np.flatnonzero(column[1:] & ~column[:-1]) + 1).tolist() + ([0] if len(column) and column[0] else [])
+
+
+def _warnings(recording: Recording, files: list[str]):
+    for w in recording.plc.warnings:
+        lines = [(files.index(w.file), w.line)] if w.file in files else []
+        yield Event(w.time, "warning", f"{w.code}: {w.message}: {w.hint}", lines), ""
 
 
 def _fault(recording: Recording, files: list[str]):

@@ -7,7 +7,9 @@ from pathlib import Path
 from plcruntime.debugger import Debugger, Outcome, Stop
 from plcruntime.plc import PLC
 from plcruntime.trace import Trace
+from plcruntime.warnings import RunWarning
 from stcore import paths, values
+from stcore.diagnostics import text as shown
 from stcore.faults import Fault
 from stcore.paths import PathError, Place
 from stcore.program import NULL_PAGE
@@ -27,6 +29,7 @@ class Session:
         self.interactive = False
         self.baseline = self.image()
         self._sources: dict[str, list[str]] = {}
+        self._warned: list[RunWarning] = []
 
     # -------------------------------------------------------------------------------------------- output
 
@@ -76,8 +79,17 @@ class Session:
 
     def stopped(self, word: str = "") -> None:
         """Between two scans."""
+        self.show_warnings()
         self.say(f"{word + ': ' if word else ''}{self.plc.scans} scans, {self.time()}")
         self.show_watched()
+
+    def show_warnings(self) -> None:
+        """What the program did wrong with its motion blocks since the last look."""
+        warnings = self.plc.warnings
+        for warning in warnings:
+            if warning not in self._warned:
+                self.say(shown(warning))
+        self._warned = warnings  # after going back they may come again
 
     def faulted(self, fault: Fault, text) -> None:
         """The program failed, or what was typed did."""
