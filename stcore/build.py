@@ -65,6 +65,12 @@ def append3(t, a, b, v):
     return v[0]
 
 
+def append_index(t, a, b, v):
+    """The brackets of a name that only VAR_CONFIG may have."""
+    v[0].append(v[3])
+    return v[0]
+
+
 def extend(t, a, b, v):
     v[0] += v[1]
     return v[0]
@@ -162,21 +168,22 @@ def action(t, a, b, v):
 
 def configuration(t, a, b, v):
     items = _flat(v[2])
+    resources = [item[0] for item in v[2] if isinstance(item, list)]
     sections = [i for i in items if isinstance(i, s.VarSection)]
     tasks = [i for i in items if isinstance(i, s.Task)]
     programs = [i for i in items if isinstance(i, s.ProgramInstance)]
-    return s.Configuration(a, b, t.texts[v[1]], sections, tasks, programs)
+    return s.Configuration(a, b, t.texts[v[1]], sections, tasks, programs, resources)
 
 
 def resource(t, a, b, v):
-    return v[4]
+    return [t.texts[v[1]], *v[4]]
 
 
 def _flat(items: list) -> list:
-    """The items of a configuration with those of its resources in their place."""
+    """The items of a configuration with those of its resources (after their names) in their place."""
     flat = []
     for item in items:
-        flat += _flat(item) if isinstance(item, list) else [item]
+        flat += _flat(item[1:]) if isinstance(item, list) else [item]
     return flat
 
 
@@ -206,7 +213,7 @@ def _check_names(t, sections) -> None:
     """Only VAR_CONFIG names its variables by their paths."""
     for part in sections:
         for decl in part.decls if part.kind != "VAR_CONFIG" else ():
-            if "." in decl.name:
+            if "." in decl.name or "[" in decl.name:
                 t.report("E0117", decl.start, decl.end, name=decl.name)
 
 
@@ -220,7 +227,9 @@ def declaration(t, a, b, v):
 
 def declared_name(t, a, b, v):
     parts = v[0]
-    name = t.texts[parts[0]] if len(parts) == 1 else ".".join(t.texts[i] for i in parts)
+    name = t.texts[parts[0]]
+    if len(parts) > 1:
+        name = "".join(t.tokens.source.text[a : t.ends[parts[-1]]].split())
     return a, t.ends[parts[-1]], name, t.texts[v[2]].upper() if len(v) > 2 else None
 
 

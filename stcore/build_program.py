@@ -7,6 +7,7 @@ import gc
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from stcore import configuration
 from stcore import syntax as s
 from stcore.check import CheckedProject
 from stcore.check.initial import check_init
@@ -51,7 +52,7 @@ def build(
         tasks = tasks or _tasks(project, user_pous, reporter, sources)
         for task in tasks or []:
             for name in task.programs:
-                pou = project.lookup(name)
+                _, pou, _ = project.program_instances.get(key(name)) or ("", project.lookup(name), 0)
                 if isinstance(pou, Pou) and pou.kind == "PROGRAM":
                     project.instance(pou)
                     project.reach(pou)
@@ -93,8 +94,7 @@ def _checked(sources: list[Source], libraries: Sequence[Path], strict: bool, *, 
             for section in _sections(unit):
                 for decl in section.decls:
                     project.lookup(f"{section.name or Path(source.path).stem}.{decl.name}")
-    project.connect()
-    project.check_configured()
+    configuration.configure(project)
     project.check_reached()
     for var in project.globals:
         project.direct(var)
@@ -116,7 +116,7 @@ def _sections(unit: s.Node) -> list[s.VarSection]:
 
 def _tasks(project: CheckedProject, pous: list[Pou], reporter: Reporter, sources: list[Source]) -> list[TaskSpec] | None:
     """Of a CONFIGURATION; else one task with PLC_PRG, MAIN or the only program."""
-    configured = _configured(project)
+    configured = configuration.tasks(project)
     if configured:
         return configured
     programs = [p for p in pous if p.kind == "PROGRAM"]
@@ -127,21 +127,6 @@ def _tasks(project: CheckedProject, pous: list[Pou], reporter: Reporter, sources
         reporter.add(code, sources[0], 0, names=", ".join(p.name for p in programs))
         return None
     return [TaskSpec("main", [chosen.name])]
-
-
-def _configured(project: CheckedProject) -> list[TaskSpec]:
-    tasks: dict[str, TaskSpec] = {}
-    for tree, source in project.configurations:
-        for task in tree.tasks:
-            values = {n: project.evaluate(v, source, None, False) for n, v in task.properties.items()}
-            interval = values.get("INTERVAL")
-            tasks[key(task.name)] = TaskSpec(
-                task.name, [], interval * 10**6 if isinstance(interval, int) else None, values.get("PRIORITY") or 0
-            )
-        for instance in tree.programs:
-            task = tasks.setdefault(key(instance.task or "main"), TaskSpec(instance.task or "main", []))
-            task.programs.append(instance.type_name)
-    return sorted((x for x in tasks.values() if x.programs), key=lambda x: x.priority)
 
 
 def _emit(
@@ -169,13 +154,16 @@ def _emit(
 
 def _variables(program: Program, project: CheckedProject, emitter: ModuleEmitter) -> None:
     """Globals under their list's name (and their own, by the path rules), programs under theirs."""
-    for pou in project.pous:
-        if pou.kind == "PROGRAM" and pou.address is not None:
-            line = pou.source.position(pou.tree.name_start)[0]
-            program.variables[key(pou.name)] = Variable(
-                pou.name, pou.name, pou.type, pou.address, library=pou.library, file=pou.source.path, line=line,
-                attributes=pou.attributes,
-            )  # fmt: skip
+    program.aliases = project.aliases
+    several = {pou for _, pou, _ in project.program_instances.values()}
+    running = [(p.name, p, p.address) for p in project.pous if p.kind == "PROGRAM" and p.address is not None]
+    running = [x for x in running if x[1] not in several]
+    for name, pou, address in [*running, *project.program_instances.values()]:
+        line = pou.source.position(pou.tree.name_start)[0]
+        program.variables[key(name)] = Variable(
+            name, name, pou.type, address, library=pou.library, file=pou.source.path, line=line,
+            attributes=pou.attributes,
+        )  # fmt: skip
     for var in project.globals:
         path = f"{var.section.removeprefix('VAR_GLOBAL ')}.{var.name}"
         program.variables[key(path)] = _variable(var, path, emitter)

@@ -76,6 +76,7 @@ CODES: dict[str, Code] = {
     "E0206": Code("{address} is no direct address", "for example %IX0.3, %QB2, %MW4, %MD1"),
     "E0207": Code("{name}: ARRAY[*] is for VAR_IN_OUT only", "give the bounds"),
     "E0208": Code("there is no global variable {name}"),
+    "E0209": Code("VAR_CONFIG of {name}: {why}", "the path leads from a program or global variable: PLC_PRG.block.input"),
     "W0202": Code("the CONSTANT {name} has no value; it is 0", "write {name} : TYPE := value;"),
     # --- E03: names and expressions
     "E0301": Code("{name} is not declared", "{near}"),

@@ -170,8 +170,11 @@ class Names:
         pou = self.block_pous.get(variable.type)
         if pou is None:
             return
-        pou.address, pou.library = variable.address, variable.library
-        self.exact[path] = pou
+        if pou.address is None:
+            pou.address, pou.library = variable.address, variable.library
+            self.exact[path] = pou
+        else:  # one more instance of the program
+            self.exact[path] = self._global(variable)
         if variable.library:
             self.library[path] = pou
             return

@@ -332,6 +332,8 @@ def _is_keyword(tokens: Tokens, i: int, word: str) -> bool:
         return named and before in (NAME, SOFT) and kinds[i - 2] == KIND["PROGRAM"]
     if word == "TASK":
         return named and then == KIND["LPAR"]
+    if word == "RESOURCE" and then == KIND["ON"]:
+        return named
     return named and before not in _PATH_ENDS  # ACTION, CONFIGURATION, RESOURCE
 
 

@@ -145,6 +145,9 @@ def _roots(program: Program, steps: list[Step]) -> Iterator[list[tuple[Place, li
             exact.append((_root(variable), steps[2:]))
     if not exact and first in program.variables:
         exact.append((_root(program.variables[first]), steps[1:]))
+    if not exact and first in program.aliases:
+        place = resolve(program, program.aliases[first])
+        exact.append((place, steps[1:]))
     yield exact
     user = [(_root(v), steps) for v in program.programs() if first in v.type.members]
     user += [(_root(v), steps[1:]) for v in _ending(program, first) if not v.library]

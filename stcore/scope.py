@@ -147,6 +147,13 @@ class Convert(s.Node):
     __slots__ = ("operand", "type", "const", "symbol")
 
 
+def place_node(at: s.Node, var: Var) -> s.Name:
+    """A variable as an expression that has been checked, standing at the place of another node."""
+    node = s.Name(at.start, at.end, var.name)
+    node.symbol, node.type = var, var.type
+    return node
+
+
 def key(name: str) -> str:
     """The form in which names are compared: ST does not tell upper from lower case."""
     return name.upper()

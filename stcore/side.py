@@ -198,6 +198,11 @@ class _Emitter(ModuleEmitter):
         self.imported[name] = f'(import "plc" "{action.body}" (func {name} {self._signature(pou)}))'
         return name
 
+    def need_instance(self, pou: Pou, action: s.Action | None, address: int) -> str:
+        if address != pou.address:
+            raise SideError(f"of the instances of {pou.name} only the first can be called here")
+        return super().need_instance(pou, action, address)
+
     def _signature(self, pou: Pou) -> str:
         if pou.kind != "FUNCTION":
             return "" if pou.kind == "PROGRAM" else "(param i32)"

@@ -96,9 +96,9 @@ class TypeDecl(Node):
 
 
 class Configuration(Node):
-    """CONFIGURATION ... END_CONFIGURATION. sections: VAR_GLOBAL and VAR_CONFIG lists of it and its resources."""
+    """CONFIGURATION ... END_CONFIGURATION. sections, tasks, programs: of it and its resources, whose names are beside."""
 
-    __slots__ = ("name", "sections", "tasks", "programs")
+    __slots__ = ("name", "sections", "tasks", "programs", "resources")
 
 
 class Task(Node):

@@ -7,6 +7,7 @@ emitter nothing to decide but instructions.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from stcore import syntax as s
 from stcore import types as t
@@ -19,6 +20,9 @@ from stcore.diagnostics import Reporter
 from stcore.project import Project
 from stcore.scope import Pou, Var, key
 from stcore.source import Source
+
+if TYPE_CHECKING:
+    from stcore.configuration import Mirror
 
 
 class Checker(Statements, Initials):
@@ -37,7 +41,11 @@ class CheckedProject(Project):
         self.own_only = False  # leave the bodies of the library unchecked: only diagnostics are wanted
         self.library_globals: set[Var] = set()
         self.instances: dict[tuple, Pou] = {}
-        self.connections: dict[str, tuple[s.ExprStmt, Source]] = {}  # upper-case program -> its call by the task
+        # what stcore/configuration.py finds; names in upper case
+        self.program_instances: dict[str, tuple[str, Pou, int]] = {}  # of programs that have several: name, address
+        self.connections: dict[str, tuple[s.ExprStmt, Source]] = {}  # program or instance -> its call by the task
+        self.mirrors: list[Mirror] = []
+        self.aliases: dict[str, str] = {}  # other names for programs
         self.areas = {"I": 0, "Q": 0, "M": 0}  # bytes in use
 
     def known_names(self, library: bool = False) -> list[str]:
@@ -48,27 +56,6 @@ class CheckedProject(Project):
         if pou not in self.reached:
             self.reached[pou] = None
             self.queue.append(pou)
-
-    def connect(self) -> None:
-        """PROGRAM p WITH task : Prg(x := a, y => b): the task calls the program with these arguments."""
-        for tree, source in self.configurations:
-            for instance in tree.programs:
-                if not instance.inits:
-                    continue
-                at = (instance.start, instance.end)
-                node = s.ExprStmt(*at, s.Call(*at, s.Name(*at, instance.type_name), instance.inits))
-                Checker(self, source, None, False).statement(node)
-                self.connections[key(instance.type_name)] = (node, source)
-
-    def check_configured(self) -> None:
-        """VAR_CONFIG places variables of programs; those of their blocks have no place of their own."""
-        for path, (decl, source) in self.configured.items():
-            program, _, name = path.partition(".")
-            pou = self.lookup(program)
-            if not isinstance(pou, Pou) or pou.kind != "PROGRAM" or name not in pou.variables:
-                hint = "the path is program.variable; give any other its address where it is declared"
-                end = decl.start + len(decl.name)
-                self.reporter.add("E0114", source, decl.start, end, hint=hint, what=f"VAR_CONFIG of {decl.name}")
 
     def check_reached(self) -> None:
         """Check every POU that is needed, and what those need."""

@@ -23,7 +23,7 @@ from stcore.program import (
     Site,
     TaskSpec,
 )
-from stcore.scope import Pou, Var, key
+from stcore.scope import Pou, Var, key, place_node
 from stcore.source import Source
 
 STACK_SIZE = 256 * 1024
@@ -48,7 +48,8 @@ class ModuleEmitter:
         self.functions: list[str] = []
         self.externals: list[External] = []
         self.needed: dict[str, tuple[Pou, s.Action | None]] = {}
-        self.queue: list[tuple[str, Pou, s.Action | None]] = []
+        self.queue: list[tuple[str, Pou, s.Action | None, int | None]] = []
+        self.copies: set[str] = set()  # of programs, for instances after the first
         self.texts: dict[tuple[str, bool], int] = {}
         self.templates: dict[object, int] = {}
         self.constants = bytearray()  # strings and templates, after the variables
@@ -68,13 +69,24 @@ class ModuleEmitter:
         if pou.external:
             self._import(pou)
         else:
-            self.queue.append((pou.symbol, pou, None))
+            self.queue.append((pou.symbol, pou, None, pou.address))
 
     def need_action(self, pou: Pou, action: s.Action) -> str:
         name = f"{pou.symbol}.{action.name}"
         if name not in self.needed:
             self.needed[name] = (pou, action)
-            self.queue.append((name, pou, action))
+            self.queue.append((name, pou, action, pou.address))
+        return name
+
+    def need_instance(self, pou: Pou, action: s.Action | None, address: int) -> str:
+        """The code of a program or its action for the instance at an address; each has its own."""
+        if address == pou.address:
+            self.need(pou)
+            return pou.symbol if action is None else self.need_action(pou, action)
+        name = f"{pou.symbol}{'.' + action.name if action else ''}.{address}"
+        if name not in self.copies:
+            self.copies.add(name)
+            self.queue.append((name, pou, action, address))
         return name
 
     def _import(self, pou: Pou) -> None:
@@ -190,13 +202,11 @@ class ModuleEmitter:
 
     def _scan(self, tasks: list[TaskSpec], hooks: list[Pou]) -> str:
         """One scan: each task that is due, then the hooks."""
-        lines = ["(func $scan"]
+        lines = ["(func $scan", *self._mirrored("IM", "$inputs")]
         for i, task in enumerate(tasks):
             calls = []
             for name in task.programs:
-                pou = self.project.lookup(name)
-                self.need(pou)
-                calls.append(f"(call {self._connected(pou, task)})")
+                calls.append(f"(call {self._connected(name, task)})")
             text = " ".join(calls)
             if task.test:
                 first = next(k for k, x in enumerate(tasks) if x.test)
@@ -206,31 +216,48 @@ class ModuleEmitter:
                 due = f"(i64.eqz (i64.rem_u (i64.load (i32.const 24)) {ratio}))"
                 text = f"(if {due} (then {text}))"
             lines.append(text)
+        lines += self._mirrored("QM", "$outputs")
         for pou in hooks:
             self.need(pou)
             lines.append(f"(call {pou.symbol})")
         return "\n".join([*lines, ")"])
 
-    def _connected(self, pou: Pou, task: TaskSpec) -> str:
+    def _connected(self, name: str, task: TaskSpec) -> str:
         """The function that a task calls: the program, or its call with the arguments of the configuration."""
-        node, source = self.project.connections.get(key(pou.name), (None, None))
+        _, pou, address = self.project.program_instances.get(key(name), ("", self.project.lookup(name), None))
+        symbol = self.need_instance(pou, None, pou.address if address is None else address)
+        node, source = self.project.connections.get(key(name), (None, None))
         if node is None:
-            return pou.symbol
+            return symbol
         emitter = FunctionEmitter(self, Pou("FUNCTION", task.name, s.Exit(node.start, node.end), source), source)
         emitter.statement(node)
-        name = f"{pou.symbol}.connected"
+        name = f"{symbol}.connected"
         self.functions.append(emitter._assemble(name, [], [], [], emitter.lines))
         return name
 
+    def _mirrored(self, areas: str, name: str) -> list[str]:
+        """The call that moves what VAR_CONFIG has placed between the members of instances and these areas."""
+        moved = [m for m in self.project.mirrors if m.area is not None and m.area.area in areas]
+        if not moved:
+            return []
+        emitter = FunctionEmitter(self, Pou("FUNCTION", "VAR_CONFIG", moved[0].decl, moved[0].source), moved[0].source)
+        for mirror in moved:
+            emitter.source = mirror.source
+            sides = [place_node(mirror.decl, var) for var in (mirror.member, mirror.area)]
+            to, value = sides if name == "$inputs" else sides[::-1]
+            emitter.statement(s.Assign(mirror.decl.start, mirror.decl.end, to, ":=", value))
+        self.functions.append(emitter._assemble(name, [], [], [], emitter.lines))
+        return [f"(call {name})"]
+
     def _drain(self) -> None:
         while self.queue:
-            name, pou, action = self.queue.pop()
-            emitter = FunctionEmitter(self, pou, pou.source, pou.address if pou.kind == "PROGRAM" else None)
+            name, pou, action, address = self.queue.pop()
+            emitter = FunctionEmitter(self, pou, pou.source, address)
             body = pou.tree.body if action is None else action.body
             self.functions.append(emitter.code(body, name))
             if self.probes:
                 hook = "call_after_scan" in pou.attributes
-                self.bodies[emitter.number] = Body(pou.name, pou.type, pou.address, emitter.seen, pou.library, hook)
+                self.bodies[emitter.number] = Body(pou.name, pou.type, address, emitter.seen, pou.library, hook)
 
     def _initialisation(self) -> str:
         """$init: the initial values that are not constants, each in the names of its own instance."""
@@ -257,6 +284,9 @@ class ModuleEmitter:
                     yield self.address_of(var), var.type, var
             if pou.address is not None:
                 yield pou.address, pou.type, None
+        for _, pou, address in self.project.program_instances.values():
+            if address != pou.address:
+                yield address, pou.type, None
 
     def address_of(self, var: Var) -> int:
         return self.areas[var.area] + var.address if var.storage == "area" else var.address
@@ -270,6 +300,11 @@ class ModuleEmitter:
                 image[address] |= data[0] << var.bit
             else:
                 image[address : address + len(data)] = data
+        for mirror in self.project.mirrors:
+            if mirror.init is not None:
+                node = check_init(self.project, mirror.init, mirror.member.type)
+                data, _ = self.images.value(node, mirror.member.type, mirror.init)
+                image[mirror.member.address : mirror.member.address + len(data)] = data
         image[self.constants_at : self.constants_at + len(self.constants)] = self.constants
         return bytes(image)
 

@@ -141,11 +141,11 @@ class Calls(Expressions):
             if getattr(parameter.type, "open", 0) and place is not None:
                 for i, bound in enumerate(x for pair in self.bounds_of(place) for x in pair):
                     self.line(store(t.DINT, base, offset + parameter.address + 4 + 4 * i, bound))
-        self.module.need(call.pou)
         self.mark(node, note=self.source.text[node.callee.start : node.callee.end])
         if call.pou.kind == "PROGRAM":
-            self.line(f"(call {call.pou.symbol})")
+            self.line(f"(call {self.module.need_instance(call.pou, None, offset)})")
         else:
+            self.module.need(call.pou)
             self.line(f"(call {call.pou.symbol} {address(base, offset)})")
         for parameter, place in call.outputs:
             self._take_output(parameter, place, base, offset)
@@ -180,10 +180,13 @@ class Calls(Expressions):
 
     def action_call(self, symbol: ActionOf) -> None:
         """An action runs on the instance of its POU."""
-        name = self.module.need_action(symbol.pou, symbol.action)
         if symbol.pou.kind == "PROGRAM":
-            self.line(f"(call {name})")
-        elif symbol.base is None:
+            own = symbol.pou.address if self.static_base is None else self.static_base
+            address = own if symbol.base is None else self.place(symbol.base)[1]
+            self.line(f"(call {self.module.need_instance(symbol.pou, symbol.action, address)})")
+            return
+        name = self.module.need_action(symbol.pou, symbol.action)
+        if symbol.base is None:
             self.line(f"(call {name} {self.this_address()})")
         else:
             self.line(f"(call {name} {self.address_of(symbol.base)})")

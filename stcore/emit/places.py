@@ -17,7 +17,8 @@ class Places:
         match node:
             case s.Name() | s.Address():
                 if isinstance(node.symbol, Pou):
-                    return "", node.symbol.address
+                    own = node.symbol is self.pou and self.static_base is not None  # one of several instances
+                    return "", self.static_base if own else node.symbol.address
                 return self.var_place(node.symbol)
             case s.Member():
                 return self._member(node)

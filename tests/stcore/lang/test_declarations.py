@@ -1,7 +1,6 @@
 """Declarations that refer to each other: types in a circle of pointers, constants in any order."""
 
-import pytest
-from running import diagnostics, errors, program, run
+from running import errors, program, run
 
 
 def test_a_pointer_to_an_array_of_the_structure_it_stands_in():
@@ -29,7 +28,8 @@ def test_types_that_lead_to_each_other_through_pointers():
 
 
 def test_a_structure_that_holds_itself_is_still_an_error():
-    found = errors(program("", "a : A;", "TYPE A : STRUCT p : POINTER TO A; row : ARRAY[0..1] OF A; END_STRUCT END_TYPE"))
+    kind = "TYPE A : STRUCT p : POINTER TO A; row : ARRAY[0..1] OF A; END_STRUCT END_TYPE"
+    found = errors(program("", "a : A;", kind))
     assert [d.code for d in found] == ["E0203"]
 
 

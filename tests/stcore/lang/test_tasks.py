@@ -65,18 +65,88 @@ def test_var_config_places_a_variable():
     assert (run["w"], run["%MW7"]) == (5, 5)
 
 
-def test_var_config_of_what_is_not_there():
-    found = errors(
-        program(
-            "",
-            "f : F;",
-            "FUNCTION_BLOCK F VAR q AT %Q* : BOOL; END_VAR END_FUNCTION_BLOCK\n"
-            "VAR_CONFIG PLC_PRG.f.q AT %QX0.0 : BOOL; END_VAR",
-        )
-    )
-    assert [(d.code, d.line, d.column) for d in found] == [("E0114", 2, 12)]
-
-
 def test_wrong_connection_is_one_error():
     found = errors(CONFIGURATION.replace("k := in", "kk := in"))
     assert [d.code for d in found] == ["E0408"]
+
+
+INSTANCES = """
+FUNCTION_BLOCK Filter
+VAR_INPUT step : INT; END_VAR
+VAR in AT %I* : BOOL; out AT %Q* : INT; word AT %M* : WORD; n : INT := 5; END_VAR
+IF in THEN n := n + step; END_IF
+out := n; word := word + 1;
+END_FUNCTION_BLOCK
+
+PROGRAM Count
+VAR_INPUT inc : INT := 1; END_VAR
+VAR_OUTPUT total : INT; END_VAR
+VAR n : INT := start; start : INT := 10; f : ARRAY[1..2] OF Filter; own : INT; END_VAR
+VAR_STAT all : INT; END_VAR
+add; all := all + 1;
+f[1](step := inc); f[2](step := inc);
+Count.own := Count.own + 1;
+ACTION add: n := n + inc; total := n; END_ACTION
+END_PROGRAM
+
+VAR_GLOBAL result : INT; alone : Filter; END_VAR
+PROGRAM Watch VAR w : INT; direct : WORD; END_VAR w := Count.n; direct := %MW3; END_PROGRAM
+
+CONFIGURATION plant
+  RESOURCE cpu ON PLC
+    TASK main (INTERVAL := T#1ms, PRIORITY := 1);
+    PROGRAM first WITH main : Count (inc := 2);
+    PROGRAM second WITH main : Count (inc := 3, total => result);
+    PROGRAM w WITH main : Watch;
+  END_RESOURCE
+  VAR_CONFIG
+    second.f[1].in AT %IX0.3 : BOOL;
+    plant.cpu.second.f[2].in AT %IX0.4 : BOOL;
+    second.f[2].out AT %QW1 : INT;
+    first.f[1].word AT %MW3 : WORD := 7;
+    first.f[2].n : INT := 50;
+    alone.n : INT := 9;
+  END_VAR
+END_CONFIGURATION
+"""
+
+
+def test_instances_of_one_program_have_their_own_variables():
+    run = Run(INSTANCES)
+    assert run.program.tasks[0].programs == ["first", "second", "Watch"]
+    run.scan(3)
+    assert [run[p] for p in ("first.n", "second.n", "first.total", "second.total", "result")] == [16, 19, 16, 19, 19]
+    assert [run[p] for p in ("first.own", "second.own", "first.all", "second.all")] == [3, 3, 6, 6]
+    assert (run["w.w"], run["Watch.w"], run["Count.n"]) == (16, 16, 16)
+
+
+def test_var_config_places_members_of_blocks():
+    run = Run(INSTANCES)
+    run["%IX0.4"] = True
+    run.scan(2)
+    run["%IX0.3"] = True
+    run.scan()
+    assert [run[f"second.f[{i}].n"] for i in (1, 2)] == [8, 14] and run["first.f[1].n"] == 5
+    assert (run["%QW1"], run["second.f[2].out"]) == (14, 14)
+    assert (run["%MW3"], run["first.f[1].word"], run["Watch.direct"]) == (3, 3, 2)
+
+
+def test_var_config_gives_initial_values_to_members():
+    run = Run(INSTANCES)
+    assert [run[p] for p in ("first.f[2].n", "second.f[2].n", "alone.n", "first.f[1].word")] == [50, 5, 9, 7]
+
+
+def test_var_config_that_leads_nowhere():
+    for old, new, part in (
+        ("second.f[1].in AT", "third.f[1].in AT", "no program or global variable third"),
+        ("second.f[1].in AT", "second.f[3].in AT", "outside 1..2"),
+        ("second.f[1].in AT", "second.f[1].inn AT", "did you mean in"),
+        ("second.f[1].in AT %IX0.3 : BOOL", "second.f[1].in AT %IX0.3 : INT", "declared as BOOL"),
+    ):
+        found = errors(INSTANCES.replace(old, new))
+        assert [d.code for d in found] == ["E0209"] and part in found[0].message, found
+
+
+def test_two_instances_of_one_name_are_an_error():
+    found = errors(INSTANCES.replace("PROGRAM second WITH", "PROGRAM first WITH").replace("second.", "first."))
+    assert [d.code for d in found] == ["E0201"]
