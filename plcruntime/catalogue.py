@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 _COMMENT = re.compile(r"\(\*(.*?)\*\)", re.S)
@@ -19,6 +19,7 @@ _POU = re.compile(
 _TYPE = re.compile(r"^\s*TYPE\s+([^\W\d]\w*)\s*(?:EXTENDS\s+\w+\s*)?:\s*(\(|\w+)", re.I | re.M)
 _GLOBALS = re.compile(r"^\s*VAR_GLOBAL\b(.*?)^\s*END_VAR\b", re.I | re.M | re.S)
 _SECTION = re.compile(r"^\s*(VAR_INPUT|VAR_OUTPUT|VAR_IN_OUT)\b[^\n]*?\n?(.*?)\bEND_VAR\b", re.I | re.M | re.S)
+_MEMBER = re.compile(r"^[ \t]+([^\W\d][\w, ]*?)\s*:(?!=)\s*([^;]+);[ \t]*(?:\(\*(.*?)\*\))?", re.M | re.S)
 _NOISE = re.compile(r"\(\*.*?\*\)|//[^\n]*|\{[^}]*\}", re.S)
 _KEYS = ("units", "ranges", "returns", "source")
 ARROW = {"VAR_INPUT": "", "VAR_IN_OUT": "VAR_IN_OUT ", "VAR_OUTPUT": "=> "}
@@ -26,7 +27,9 @@ ARROW = {"VAR_INPUT": "", "VAR_IN_OUT": "VAR_IN_OUT ", "VAR_OUTPUT": "=> "}
 
 @dataclass(slots=True)
 class Entry:
-    """A function, block or type of the library. file: where it is written; source: manual and section."""
+    """A function, block or type of the library. file: where it is written; source: manual and section.
+
+    members: of a structure, an ENUM or a list of constants, each as declared, with what its comment says."""
 
     name: str
     kind: str  # function, function_block, program, type, constants
@@ -37,6 +40,7 @@ class Entry:
     returns: str
     source: str
     file: str
+    members: list[str] = field(default_factory=list)
 
 
 def entries(folders: list[Path]) -> list[Entry]:
@@ -61,11 +65,29 @@ def _of_file(path: Path) -> Iterator[Entry]:
             signature = signature.replace("(", f"{' '.join(pou[3].split())}(", 1)
         yield Entry(pou[2], kind, signature, **common)
     elif declared := _TYPE.search(bare):
+        enum = declared[2] == "("
+        members = _values(bare) if enum else _members(text)
         yield Entry(
-            declared[1], "type", f"{declared[1]}: {'ENUM' if declared[2] == '(' else declared[2].upper()}", **common
+            declared[1], "type", f"{declared[1]}: {'ENUM' if enum else declared[2].upper()}", **common, members=members
         )
     elif _GLOBALS.search(bare):
-        yield Entry(path.stem, "constants" if "CONSTANT" in bare.upper() else "variables", path.stem, **common)
+        kind = "constants" if "CONSTANT" in bare.upper() else "variables"
+        yield Entry(path.stem, kind, path.stem, **common, members=_members(text))
+
+
+def _members(text: str) -> list[str]:
+    """'name: TYPE := value - comment' of what a structure or a list declares, one a line."""
+    found = []
+    for names, declared, comment in _MEMBER.findall(text, _COMMENT.search(text).end() if _COMMENT.search(text) else 0):
+        words = " ".join(comment.split())
+        found.append(f"{names}: {' '.join(declared.split())}" + (f" - {words}" if words else ""))
+    return found
+
+
+def _values(bare: str) -> list[str]:
+    """The names of an ENUM, with their values where these are given."""
+    inside = re.search(r"\((.*)\)", bare, re.S)
+    return [" ".join(part.split()) for part in inside[1].split(",")] if inside else []
 
 
 def _documentation(text: str) -> dict[str, str]:

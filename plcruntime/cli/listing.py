@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 import textwrap
 from dataclasses import asdict
@@ -33,9 +34,13 @@ def execute(arguments: argparse.Namespace) -> int:
 
 
 def _matches(entry: catalogue.Entry, pattern: str) -> bool:
-    """A pattern with * or ? is of the whole name; else it may stand anywhere in it."""
-    name, pattern = entry.name.upper(), pattern.upper()
-    return fnmatchcase(name, pattern) if set(pattern) & set("*?[") else pattern in name
+    """A pattern with * or ? is of the whole name; else it may stand anywhere in it. Constants have names too."""
+    pattern = pattern.upper()
+    if not set(pattern) & set("*?["):
+        pattern = f"*{pattern}*"
+    constants = entry.members if entry.kind == "constants" or entry.signature.endswith("ENUM") else []
+    names = [entry.name, *(re.match(r"\w+", member)[0] for member in constants)]
+    return any(fnmatchcase(name.upper(), pattern) for name in names)
 
 
 def _card(entry: catalogue.Entry, coloured: bool) -> str:
@@ -43,7 +48,7 @@ def _card(entry: catalogue.Entry, coloured: bool) -> str:
     signature = textwrap.fill(entry.signature, WIDTH, subsequent_indent="        ")
     if coloured:
         signature = signature.replace(entry.name, f"\x1b[1;36m{entry.name}\x1b[0m", 1)
-    texts = [entry.summary]
+    texts = [entry.summary, *(f"    {member}" for member in entry.members)]
     texts += [f"{key}: {text}" for key in ("units", "ranges", "returns") if (text := getattr(entry, key))]
     texts += [" - ".join(part for part in (entry.kind.replace("_", " "), entry.source, _short(entry.file)) if part)]
     lines = [textwrap.fill(t, WIDTH, initial_indent="    ", subsequent_indent="        ") for t in texts if t]
