@@ -87,8 +87,15 @@ def instance_path(sites: Sequence[Site]) -> str:
 
 def _sites(program: Program, frames: list[tuple[int, int]]) -> list[Site | None]:
     bodies = _Bodies(program.wasm)
-    numbers = [bodies.last_marker(offset) for _, offset in frames]
-    return [program.sites[n] if n is not None and 0 <= n < len(program.sites) else None for n in numbers]
+    found: list[Site | None] = []
+    for _, offset in frames:
+        number = bodies.last_marker(offset)
+        site = program.sites[number] if number is not None and 0 <= number < len(program.sites) else None
+        found.append(site)
+        while site is not None and site.within >= 0:  # code that was taken into its caller has no frame of its own
+            site = program.sites[site.within]
+            found.append(site)
+    return found
 
 
 class _Bodies:

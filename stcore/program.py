@@ -72,6 +72,7 @@ class Site:
     pou: str
     code: str = ""  # of the fault that a check here raises: 'F0101' ...; '' for a statement
     note: str = ""  # what the check looks at: the text of the index or pointer; the callee's for a call
+    within: int = -1  # the site of the call, for code that was taken into its caller; -1 if it was not
 
 
 @dataclass(slots=True)

@@ -176,6 +176,7 @@ class _Emitter(ModuleEmitter):
 
     def __init__(self, project: Known) -> None:
         super().__init__(project)
+        self.inlining = None  # what the program's module holds is called there
         program = project.names.program
         self.areas = {"I": program.inputs[0], "Q": program.outputs[0], "M": program.markers[0]}
         self.imported: dict[str, str] = {}

@@ -155,6 +155,7 @@ class Calls(Expressions):
             else:
                 call.values.append((parameter, self._argument(node, arg, parameter, pou, checked)))
         self.use(pou)
+        pou.calls += 1
         if self.pou is not None and (pou.writes_outside or pou.external or not pou.library):
             self.pou.writes_outside = True
         node.symbol = call
@@ -322,6 +323,7 @@ class Calls(Expressions):
             elif arg is not None and arg.value is not None:
                 call.inputs.append((parameter, self._argument(node, arg, parameter, pou, checked)))
         self.use(pou)
+        pou.calls += 1
         if self.pou is not None:
             self.pou.writes_outside = True
         self._mark(node.callee, node.callee, True, True)

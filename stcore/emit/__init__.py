@@ -9,6 +9,7 @@ from stcore.check.initial import check_init
 from stcore.declare import align
 from stcore.emit.function import FunctionEmitter
 from stcore.emit.image import ImageBuilder, Late, encode_text
+from stcore.emit.inline import Inlinable
 from stcore.emit.values import wasm_type
 from stcore.program import (
     ALONE,
@@ -40,6 +41,7 @@ class ModuleEmitter:
     def __init__(self, project, probes: bool = False) -> None:
         self.project = project
         self.probes = probes
+        self.inlining = Inlinable() if not probes else None
         self.bodies: list[Body] = []
         self.probed: dict[int, None] = {}  # sites of statements
         self.branches: list[Branch] = []
@@ -93,9 +95,9 @@ class ModuleEmitter:
         inputs = [(p.name, p.type) for p in pou.inputs()]
         self.externals.append(External(pou.name, inputs, pou.result.type if pou.result else None))
 
-    def site(self, source: Source, node: s.Node, pou: str, code: str, note: str) -> int:
+    def site(self, source: Source, node: s.Node, pou: str, code: str, note: str, within: int = -1) -> int:
         line, column = source.position(node.start)
-        self.sites.append(Site(source.path, line, column, pou, code, " ".join(note.split()) if note else ""))
+        self.sites.append(Site(source.path, line, column, pou, code, " ".join(note.split()) if note else "", within))
         return len(self.sites) - 1
 
     def string(self, text: str, wide: bool) -> int:

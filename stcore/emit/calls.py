@@ -37,7 +37,6 @@ class Calls(Expressions):
     def function_call(self, node: s.Call, call: FunctionCall) -> str:
         """The result of a function; its outputs are stored on the way."""
         pou = call.pou
-        self.module.need(pou)
         args = [self._argument(p, v) + self._open_bounds(p, v) for p, v in call.values]
         outputs = dict((p, v) for p, v in call.outputs)
         args += [self._aggregate_output(p, outputs.get(p)) for p in aggregate_outputs(pou)]
@@ -46,7 +45,7 @@ class Calls(Expressions):
         if result is not None and t.is_aggregate(result):
             where = address("(local.get $fp)", self.frame(result.size, result.align))
             args.append(where)
-        text = f"(call {pou.symbol} {' '.join(args)})"
+        text = self.inline_function(pou, args) or self._plain_call(pou, args)
         returned = "" if result is None else wasm_type(result)
         if pou.external:
             text = self._external(node, text, returned)
@@ -65,6 +64,10 @@ class Calls(Expressions):
         if call.en is not None:
             return self._enabled(call, result, f"{text}{prefix}")
         return text if not prefix else f"{head} {text}{prefix})"
+
+    def _plain_call(self, pou: Pou, args: list[str]) -> str:
+        self.module.need(pou)
+        return f"(call {pou.symbol} {' '.join(args)})"
 
     def _external(self, node: s.Call, text: str, returned: str) -> str:
         """A call of the host; when that fails, the fault is here."""
@@ -135,8 +138,13 @@ class Calls(Expressions):
         base, offset = self._instance(call)
         for parameter, value in call.inputs:
             self._store_input(parameter, value, base, offset)
+        places: dict[Var, str] = {}
         for parameter, place in call.in_outs:
             text = self._argument(parameter, place)
+            if place is not None:
+                places[parameter] = name = self.keep("i32")
+                self.line(f"(local.set {name} {text})")
+                text = f"(local.get {name})"
             self.line(store(t.DWORD, base, offset + parameter.address, text))
             if getattr(parameter.type, "open", 0) and place is not None:
                 for i, bound in enumerate(x for pair in self.bounds_of(place) for x in pair):
@@ -144,7 +152,7 @@ class Calls(Expressions):
         self.mark(node, note=self.source.text[node.callee.start : node.callee.end])
         if call.pou.kind == "PROGRAM":
             self.line(f"(call {self.module.need_instance(call.pou, None, offset)})")
-        else:
+        elif not self.inline_block(call.pou, base, offset, places):
             self.module.need(call.pou)
             self.line(f"(call {call.pou.symbol} {address(base, offset)})")
         for parameter, place in call.outputs:

@@ -2,36 +2,46 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 
 from stcore import syntax as s
 from stcore import types as t
 from stcore.emit.calls import aggregate_outputs, scalar_outputs
 from stcore.emit.image import Late
-from stcore.emit.statements import Statements
+from stcore.emit.inline import ROOM, Inlining, NeedsFrame
 from stcore.emit.values import address, constant, load, store, wasm_type, wrap
 from stcore.scope import Pou, Var
 from stcore.source import Source
 
 
-class FunctionEmitter(Statements):
+class FunctionEmitter(Inlining):
     """Emits the code of one POU. lines: WebAssembly text, one statement or part of one each.
 
     static_base: the address of the instance when there is only one (a program), else None: it comes in $this.
+    caller: the code that takes this code in, in place of a call (emit/inline.py).
     """
 
     wrap = staticmethod(wrap)
 
-    def __init__(self, module, pou: Pou, source: Source, static_base: int | None = None) -> None:
+    def __init__(
+        self, module, pou: Pou, source: Source, static_base: int | None = None, caller: FunctionEmitter | None = None
+    ) -> None:
         self.module = module
         self.pou = pou
         self.source = source
         self.static_base = static_base
+        self.this = ("(local.get $this)", 0) if static_base is None else ("", static_base)
+        self.caller = caller
+        self.within = caller.here if caller else -1  # the site of the call
+        self.here = -1  # the site of the statement
+        self.exit_label = "$return"
+        self.room = ROOM  # for code that is taken in
         self.lines: list[str] = []
-        self.declared: list[str] = []  # (local ...) declarations
-        self.free: dict[str, list[str]] = {}
+        self.declared: list[str] = caller.declared if caller else []  # (local ...) declarations
+        self.free: dict[str, list[str]] = caller.free if caller else {}
         self.lent: list[tuple[str, str]] = []
-        self.count = 0
+        self.counter = caller.counter if caller else itertools.count(1)
         self.locals_of: dict[Var, str] = {}
         self.frame_of: dict[Var, int] = {}
         self.in_out_locals: dict[Var, str] = {}
@@ -66,12 +76,10 @@ class FunctionEmitter(Statements):
         return made
 
     def label(self, name: str) -> str:
-        self.count += 1
-        return f"${name}{self.count}"
+        return f"${name}{next(self.counter)}"
 
     def _local(self, wasm: str, name: str = "t") -> str:
-        self.count += 1
-        text = f"${name}{self.count}"
+        text = f"${name}{next(self.counter)}"
         self.declared.append(f"(local {text} {wasm})")
         return text
 
@@ -88,6 +96,8 @@ class FunctionEmitter(Statements):
 
     def frame(self, size: int, alignment: int) -> int:
         """Room in the stack frame: its offset."""
+        if self.caller:
+            raise NeedsFrame
         self.frame_size = (self.frame_size + alignment - 1) // alignment * alignment
         offset = self.frame_size
         self.frame_size += size
@@ -95,9 +105,11 @@ class FunctionEmitter(Statements):
 
     def marker(self, node: s.Node, code: str = "", note: str = "") -> str:
         """A constant that is dropped: no instruction in the end, but a fault behind it finds its place by it."""
-        return f"(drop (i32.const {self.module.site(self.source, node, self.pou.name, code, note)}))"
+        number = self.module.site(self.source, node, self.pou.name, code, note, self.within)
+        return f"(drop (i32.const {number}))"
 
     def mark(self, node: s.Node, note: str = "") -> None:
+        self.here = len(self.module.sites)
         self.line(self.marker(node, "", note))
 
     def local_of(self, var: Var) -> str | None:
@@ -158,9 +170,8 @@ class FunctionEmitter(Statements):
         return "\n".join(parts)
 
     def _name(self, var: Var) -> str:
-        self.count += 1
         readable = var.name if var.name.isascii() else ""
-        return f"$v{self.count}.{readable}"
+        return f"$v{next(self.counter)}.{readable}"
 
     def _parameters(self) -> tuple[list[str], list[str]]:
         """A function's signature; inputs whose address is taken, and strings, move into the frame."""
@@ -246,7 +257,7 @@ class FunctionEmitter(Statements):
         value = self.module.initial_value(var)
         if isinstance(value, s.Node):
             self.line(f"(local.set {name} {self.narrow(value)})")
-        elif value:
+        elif value or self.caller:  # code that was taken in may stand in a loop
             self.line(f"(local.set {name} {constant(value, var.type)})")
 
     def _set_default(self, var: Var) -> None:
@@ -282,7 +293,7 @@ class FunctionEmitter(Statements):
         if self.pou.kind == "FUNCTION":
             return
         for var in self.pou.parameters:
-            if var.section != "VAR_IN_OUT":
+            if var.section != "VAR_IN_OUT" or var in self.in_out_locals:
                 continue
             base, offset = self.this_place()
             name = self._local("i32", "io")

@@ -36,9 +36,7 @@ class Places:
 
     def this_place(self) -> tuple[str, int]:
         """The instance whose code this is."""
-        if self.static_base is not None:
-            return "", self.static_base
-        return "(local.get $this)", 0
+        return self.this
 
     def this_address(self) -> str:
         return address(*self.this_place())

@@ -309,7 +309,7 @@ class Statements(Calls):
 
     def return_(self, node: s.Return) -> None:
         self.mark(node)
-        self.line("(br $return)")
+        self.line(f"(br {self.exit_label})")
 
     # -------------------------------------------------------------------------------------------- jumps
 

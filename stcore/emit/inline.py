@@ -1,0 +1,119 @@
+"""Code that is taken in: a small function or block, or one with a single call, becomes part of its caller.
+
+A call costs some nanoseconds, as much as a short block itself. The code stands between the caller's own lines, with
+locals of its own; its sites name the call that they lie within, so a fault shows the same path as with a call. A
+probed build calls everything: a debugger stops where the source says. What needs a stack frame is called, too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from stcore.emit.ranges import walk
+from stcore.emit.statements import Statements
+from stcore.scope import Pou, Var
+
+SMALL = 60  # nodes of a syntax tree: taken in wherever it is called
+ONCE = 800  # the same, where there is one call
+ROOM = 3000  # so many nodes at most into one function: its compilation must stay quick
+
+
+class NeedsFrame(Exception):
+    """This code can't be taken in: it needs a stack frame."""
+
+
+@dataclass(slots=True)
+class Inlinable:
+    """What is known of the POUs of a module: how large they are, and which have to be called."""
+
+    sizes: dict[Pou, int] = field(default_factory=dict)
+    called: set[Pou] = field(default_factory=set)
+
+    def size(self, pou: Pou) -> int:
+        if pou not in self.sizes:
+            self.sizes[pou] = sum(1 for _ in walk(pou.tree.body))
+        return self.sizes[pou]
+
+    def suits(self, pou: Pou) -> bool:
+        if pou in self.called:
+            return False
+        if pou.kind == "PROGRAM" or pou.external or any(getattr(p.type, "open", 0) for p in pou.parameters):
+            self.called.add(pou)
+            return False
+        return self.size(pou) <= (ONCE if pou.calls == 1 else SMALL)
+
+
+class Inlining(Statements):
+    """Emits calls by what they call."""
+
+    def inline_block(self, pou: Pou, base: str, offset: int, places: dict[Var, str]) -> bool:
+        """A block's code for the instance at this place. places: locals with the addresses of its in-outs. False:
+        it has to be called."""
+        inner = self._inner(pou)
+        if inner is None:
+            return False
+        inner.this = (base, offset)
+        inner.in_out_locals = places
+        try:
+            inner._own_variables()
+            inner._in_outs()
+            inner.body(pou.tree.body)
+        except NeedsFrame:
+            self.module.inlining.called.add(pou)
+            return False
+        self._standalone(pou)
+        self.lines += [f"(block {inner.exit_label}", *inner.lines, ")", self._again()]
+        return True
+
+    def inline_function(self, pou: Pou, args: list[str]) -> str | None:
+        """A function's code with these arguments, as an expression; None: it has to be called."""
+        inner = self._inner(pou)
+        if inner is None:
+            return None
+        try:
+            params, results = inner._parameters()
+            inner._own_variables()
+            inner.body(pou.tree.body)
+        except NeedsFrame:
+            self.module.inlining.called.add(pou)
+            return None
+        self._standalone(pou)
+        self.declared += [p.replace("(param", "(local", 1) for p in params]
+        given = [f"(local.set {p.split()[1]} {a})" for p, a in zip(params, args, strict=True)]
+        result = "".join(f" (result {r})" for r in results)
+        lines = [f"(block{result}", *given, f"(block {inner.exit_label}", *inner.lines, ")", self._again()]
+        return "\n".join([*lines, *inner._results(), ")"])
+
+    def _inner(self, pou: Pou):
+        """An emitter for code between the lines of this one; None where the code has to be called."""
+        known = self.module.inlining
+        if known is None or not known.suits(pou):
+            return None
+        size = known.size(pou)
+        callers = self._chain()
+        if any(x.pou is pou or x.room < size for x in callers):
+            return None
+        for x in callers:
+            x.room -= size
+        if size > SMALL:
+            known.called.add(pou)  # from here on: its one call may be met again where its caller is taken in elsewhere
+        inner = type(self)(self.module, pou, pou.source, caller=self)
+        inner.exit_label = self.label("return")
+        inner.room = SMALL if size <= SMALL else ROOM
+        return inner
+
+    def _chain(self) -> list[Inlining]:
+        """This emitter and those that take it in."""
+        chain = [self]
+        while chain[-1].caller:
+            chain.append(chain[-1].caller)
+        return chain
+
+    def _standalone(self, pou: Pou) -> None:
+        """What can be called by its name from outside, in a typed statement, stays callable."""
+        if "hidden" not in pou.attributes:
+            self.module.need(pou)
+
+    def _again(self) -> str:
+        """What follows is again part of the calling statement."""
+        return f"(drop (i32.const {self.here}))"
