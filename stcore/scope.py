@@ -149,6 +149,12 @@ class Convert(s.Node):
     __slots__ = ("operand", "type", "const", "symbol")
 
 
+class Pinned(s.Node):
+    """A place whose address the emitter has worked out already: where it is, and an offset from there."""
+
+    __slots__ = ("base", "offset", "type", "const", "symbol")
+
+
 def place_node(at: s.Node, var: Var) -> s.Name:
     """A variable as an expression that has been checked, standing at the place of another node."""
     node = s.Name(at.start, at.end, var.name)

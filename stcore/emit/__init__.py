@@ -51,6 +51,7 @@ class ModuleEmitter:
         self.externals: list[External] = []
         self.needed: dict[str, tuple[Pou, s.Action | None]] = {}
         self.queue: list[tuple[str, Pou, s.Action | None, int | None]] = []
+        self.late_codes: dict[tuple[s.Node, int], str] = {}  # initial value and offset -> function
         self.copies: set[str] = set()  # of programs, for instances after the first
         self.texts: dict[tuple[str, bool], int] = {}
         self.templates: dict[object, int] = {}
@@ -250,6 +251,17 @@ class ModuleEmitter:
             emitter.statement(s.Assign(mirror.decl.start, mirror.decl.end, to, ":=", value))
         self.functions.append(emitter._assemble(name, [], [], [], emitter.lines))
         return [f"(call {name})"]
+
+    def late_code(self, late: Late) -> str:
+        """A function that gives a member of an instance its initial value; for instances that calls make anew."""
+        mark = late.node, late.offset - late.owner
+        name = self.late_codes.get(mark)
+        if name is None:
+            name = self.late_codes[mark] = f"$late{len(self.late_codes)}"
+            emitter = FunctionEmitter(self, late.pou, late.source)
+            emitter.set_late(late, "(local.get $this)", -late.owner)
+            self.functions.append(emitter._assemble(name, ["(param $this i32)"], [], [], emitter.lines))
+        return name
 
     def _drain(self) -> None:
         while self.queue:

@@ -12,7 +12,7 @@ from stcore.emit.places import Places
 from stcore.emit.ranges import range_of
 from stcore.emit.values import address, constant, load, number, wasm_type, wrap
 from stcore.program import NULL_PAGE
-from stcore.scope import BuiltinCall, Convert, Var
+from stcore.scope import BuiltinCall, Convert, Pinned, Var
 
 _ARITHMETIC = {"+": "add", "-": "sub", "*": "mul"}
 _COMPARE = {"=": "eq", "<>": "ne", "<": "lt", "<=": "le", ">": "gt", ">=": "ge"}
@@ -252,8 +252,14 @@ class Expressions(Places):
 
     def assignment(self, node: s.Assign) -> str:
         """a := b as a value."""
-        lines = self.captured(lambda: self.statement(node))
-        return f"(block (result {wasm_type(node.type)}) {' '.join(lines)} {self.value(node.target)})"
+        inner = s.Assign(node.start, node.end, node.target, node.op, node.value)
+
+        def emit() -> None:
+            inner.target = self.pinned(node.target)
+            self.statement(inner)
+
+        lines = self.captured(emit)
+        return f"(block (result {wasm_type(node.type)}) {' '.join(lines)} {self.value(inner.target)})"
 
     def deref_check(self, node: s.Node) -> str:
         """The address in a pointer, checked to lie in the image."""
@@ -312,4 +318,5 @@ class Expressions(Places):
     EMIT = {
         s.Name: variable, s.Address: variable, s.Member: variable, s.Index: variable, s.Deref: variable, s.Part: part,
         s.Unary: unary, s.Binary: binary, Convert: convert, s.Call: call, s.Assign: assignment,
+        Pinned: variable,
     }  # fmt: skip

@@ -279,6 +279,8 @@ class FunctionEmitter(Inlining):
             for late in self.module.images.of_variable(var)[1]:
                 if late.pou in (None, self.pou):
                     self.set_late(late, base, offset)
+                else:  # of an instance: in the names of its block
+                    self.line(f"(call {self.module.late_code(late)} {address(base, offset + late.owner)})")
 
     def set_late(self, late: Late, base: str, offset: int) -> None:
         """An initial value that is no constant, into the variable at this place."""

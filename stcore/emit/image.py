@@ -161,7 +161,7 @@ class ImageBuilder:
             image[field.offset : field.offset + len(data)] = data
             inside = range(field.offset, field.offset + field.type.size)
             late = [x for x in late if x.offset not in inside] + [_moved(x, field.offset) for x in inner]
-        return bytes(image), late
+        return bytes(image), sorted(late, key=lambda x: x.offset)  # the order of declaration
 
 
 def _moved(late: Late, by: int) -> Late:

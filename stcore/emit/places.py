@@ -5,7 +5,7 @@ from __future__ import annotations
 from stcore import syntax as s
 from stcore import types as t
 from stcore.emit.values import address, load
-from stcore.scope import Convert, Pou, Var
+from stcore.scope import Convert, Pinned, Pou, Var
 
 FRAME = "(local.get $fp)"
 
@@ -32,7 +32,25 @@ class Places:
                 return self.place(node.base)
             case Convert():
                 return self.place(node.operand)
+            case Pinned():
+                return node.base, node.offset
         return self.value(node), 0  # a result: its address
+
+    def pinned(self, node: s.Node) -> s.Node:
+        """The same place, with its address worked out here, once, if it takes more than a constant."""
+        if isinstance(node, s.Part):
+            made = s.Part(node.start, node.end, self.pinned(node.base), node.size, node.index)
+        elif isinstance(node, s.Name | s.Address):
+            return node
+        else:
+            base, offset = self.place(node)
+            if base in ("", "(local.get $this)", FRAME):
+                return node
+            name = self.keep("i32")
+            self.line(f"(local.set {name} {base})")
+            made = Pinned(node.start, node.end, f"(local.get {name})", offset)
+        made.type = node.type
+        return made
 
     def this_place(self) -> tuple[str, int]:
         """The instance whose code this is."""

@@ -229,6 +229,7 @@ class Statements(Calls):
         kind = t.base_of(node.var.type)
         if kind is t.ERROR:
             return
+        node = s.For(node.start, node.end, self.pinned(node.var), node.first, node.last, node.step, node.body)
         step = node.step.const if node.step is not None else 1
         last = range_of(node.last, self.ranges)
         roomy = kind.size < 4 or kind.size == 4 and step is not None and _fits(last, step, kind)
