@@ -1,4 +1,4 @@
-"""Breakpoints: from POU and line to the statements of a probed build, and from there to the path of an instance."""
+"""Breakpoints: from POU and line to the statements of a probed build."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 from plcruntime.errors import UsageError
 from stcore.near import near
-from stcore.program import Body, Program
-from stcore.types import Array, Block, Struct, Type
+from stcore.program import Program
 
 if TYPE_CHECKING:
     from plcruntime.plc import PLC
@@ -86,37 +85,3 @@ class Breakpoints:
         for point in self.points.values():
             for site in point.sites:
                 memory[start + site] = 1
-
-
-def instance_path(program: Program, body: Body, address: int) -> str:
-    """The path of the instance of a block at an address: PLC_PRG.trap; the POU's own name where there is none."""
-    if body.block is None or body.block.kind == "PROGRAM":
-        return body.pou
-    for variable in program.variables.values():
-        if variable.address <= address < variable.address + variable.type.size:
-            found = _inside(variable.type, variable.address, variable.path, body.block, address)
-            if found:
-                return found
-    return body.pou
-
-
-def _inside(kind: Type, at: int, path: str, wanted: Block, address: int) -> str | None:
-    """The path of the block of type `wanted` at an address within a variable."""
-    if kind is wanted and at == address:
-        return path
-    if isinstance(kind, Array) and kind.element.size:
-        index = (address - at) // kind.element.size
-        indices, rest = [], index
-        for low, high in reversed(kind.bounds):
-            rest, k = divmod(rest, high - low + 1)
-            indices.append(str(low + k))
-        name = f"{path}[{','.join(reversed(indices))}]"
-        return _inside(kind.element, at + index * kind.element.size, name, wanted, address)
-    if isinstance(kind, Struct | Block):
-        for member in kind.members.values():
-            begin = at + member.offset
-            if member.section in ("VAR_IN_OUT", "VAR_TEMP", "VAR_STAT"):
-                continue
-            if begin <= address < begin + member.type.size:
-                return _inside(member.type, begin, f"{path}.{member.name}", wanted, address)
-    return None

@@ -15,8 +15,9 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from plcruntime.breakpoints import Breakpoint, Breakpoints, instance_path
+from plcruntime.breakpoints import Breakpoint, Breakpoints
 from plcruntime.errors import UsageError
+from plcruntime.instances import instance_path
 from plcruntime.typed import Result
 from stcore.known import Scene
 from stcore.program import DEPTH, STOP, STOP_DEPTH, Body, Program, Site
@@ -74,7 +75,7 @@ class _Order:
     until: bytes | None = None
     mode: int = 0
     depth: int = 0
-    result: bool = False
+    realtime: bool = False
     events: queue.SimpleQueue = field(default_factory=queue.SimpleQueue)
 
 
@@ -154,13 +155,20 @@ class Debugger:
 
     # -------------------------------------------------------------------------------------------- running
 
-    def run(self, scans: int, until: bytes | None = None) -> Outcome:
-        """Run scans, the waiting one included; stops at breakpoints. Raises Fault, KeyboardInterrupt at a boundary."""
-        if self.stop is None and not self.breakpoints.active:
-            self.detach()
-            return Outcome(reached=self._engine.advance(scans, until=until))
-        self.attach()
-        return self._go(_Order(scans, until))
+    def run(self, scans: int, until: bytes | None = None, *, realtime: bool = False) -> Outcome:
+        """Run scans, the waiting one included; stops at breakpoints. realtime: keep the wall clock's pace.
+
+        Raises Fault, KeyboardInterrupt at a boundary."""
+        if self.breakpoints.active:
+            self.attach()
+            return self._go(_Order(scans, until, realtime=realtime))
+        if self.stop is not None:
+            outcome = self._go(_Order(1, until))  # only Ctrl-C stops it on the way
+            if outcome.stop is not None or outcome.reached:
+                return outcome
+            scans -= 1
+        self.detach()
+        return Outcome(reached=self._engine.advance(scans, until=until, realtime=realtime))
 
     def step(self, how: str) -> Outcome:
         """'next', 'into' or 'out': to the next statement, at the end of the scan to its boundary."""
@@ -270,7 +278,7 @@ class Debugger:
         try:
             reached = False
             while order.left > 0 and not reached:
-                reached = self._engine.advance(1, until=order.until)
+                reached = self._engine.advance(1, until=order.until, realtime=order.realtime)
                 if self._touched:
                     self._touched = False
                     self._engine.start_history()

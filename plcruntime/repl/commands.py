@@ -43,7 +43,7 @@ _TABLE = [
     ("force [VAR := VALUE]", "hold a variable at a value; without arguments the list", "Variables"),
     ("unforce [VAR]", "release it, or all", "Variables"),
     ("diff", "what the last movement changed", "Variables"),
-    ("axes", "the simulated axes that are used", "Variables"),
+    ("axes [live|TIME]", "the axes in use; live until a key is pressed, or for a time, as the PLC runs", "Variables"),
     ("plot VAR... [to FILE]", "draw the scans so far in the terminal, or into .png, .svg, .html", "Recording"),
     ("trace [VAR...|off|to FILE]", "record variables from now on; write them to .csv or .npz", "Recording"),
     ("save [NAME]", "keep a snapshot by name; without NAME list them", "Recording"),

@@ -6,8 +6,10 @@ import fnmatch
 import re
 from pathlib import Path
 
+from plcruntime.debugger import Outcome
 from plcruntime.errors import UsageError
-from plcruntime.repl import chart
+from plcruntime.repl import axis_table, chart
+from plcruntime.repl.moving import ENDLESS
 from stcore import paths
 from stcore.paths import PathError
 from stcore.types import Block
@@ -116,24 +118,42 @@ class Looking:
     # ----------------------------------------------------------------------------------------------- axes
 
     def do_axes(self, rest: str) -> None:
-        rows = []
-        for number in self.plc.axes.numbers:
-            axis = self.plc.axes[number]
-            if axis.used or axis.moving or axis.drive.enabled or axis.prfPos:
-                path = f"SIM.Axis[{number}]"
-                flags = [w for w, on in (("on", axis.drive.enabled), ("moving", axis.moving)) if on]
-                flags += ["alarm"] if axis.drive.alarm else []
-                rows.append(
-                    (
-                        str(number), self.plc.show(f"{path}.state"), f"{axis.prfPos:.3f}", f"{axis.prfVel:.4f}",
-                        f"{axis.encPos:.3f}", f"{axis.status:08X}", " ".join(flags),
-                    )  # fmt: skip
-                )
+        if rest:
+            self._run_and_show_axes(rest)
+            return
+        rows = axis_table.rows(self.plc)
         if rows:
-            heads = ("axis", "state", "prfPos [pulse]", "prfVel [pulse/ms]", "encPos [pulse]", "status", "drive")
-            self.session.table(heads, rows)
+            self.session.table(axis_table.HEADS, rows)
         else:
             self.session.say("the program uses no axis" if not len(self.plc.axes) else "no axis is in use yet")
+
+    def _run_and_show_axes(self, rest: str) -> None:
+        endless = rest.lower() == "live"
+        if not len(self.plc.axes):
+            raise UsageError("the program uses no axis")
+        if endless and not self.session.interactive:
+            raise UsageError("axes live needs a terminal; axes 2s runs 2 s and shows the axes then")
+        scans = ENDLESS if endless else self._scans(rest)
+        if self.session.interactive:
+            self._live(scans)
+        else:
+            self.session.show(self._run(scans))
+            self.do_axes("")
+
+    def _live(self, scans: int) -> None:
+        from plcruntime.repl.live import KeyPressed, live_axes
+
+        self.session.begin()
+        outcome = Outcome()
+        try:
+            with live_axes(self.plc) as display:
+                self.plc.on_progress(display)
+                outcome = self.debugger.run(scans, realtime=True)
+        except KeyPressed:
+            pass  # that is how it is meant to end
+        finally:
+            self.plc.on_progress(None)
+        self.session.show(outcome)
 
     # --------------------------------------------------------------------------------------------- source
 

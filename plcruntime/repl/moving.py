@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from plcruntime import durations
+from plcruntime.cli.output import Progress
 from plcruntime.debugger import Outcome
 from plcruntime.errors import UsageError
 from plcruntime.repl import store
@@ -33,8 +34,6 @@ class Moving:
         return int(rest or 1)
 
     def _run(self, scans: int, until: bytes | None = None) -> Outcome:
-        from plcruntime.cli.output import Progress
-
         self.session.begin()
         progress = Progress(self.plc.interval)
         self.plc.on_progress(progress)

@@ -1,7 +1,10 @@
 """Breakpoints and statement steps: a scan that waits in its middle."""
 
+from pathlib import Path
+
 from plcruntime import PLC
 from plcruntime.debugger import Debugger
+from plcruntime.plc import build
 
 
 def test_next_goes_over_calls(prompt):
@@ -121,3 +124,10 @@ def test_a_changed_source_is_refused(prompt, source):
     source.write_text(source.read_text().replace("lim : INT := 10", "lim : INT := 11"))
     assert "has changed" in prompt("next")
     assert prompt("step") == "1 scans, 0.001 s"
+
+
+def test_both_builds_of_a_motion_program_have_the_same_image():
+    file = Path(__file__).parents[3] / "examples_st" / "gt_jog.st"
+    plain, _ = build(file)
+    probed, _ = build(file, probes=True)
+    assert plain.image_end == probed.image_end and plain.image == probed.image

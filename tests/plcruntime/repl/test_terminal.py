@@ -5,6 +5,7 @@ import subprocess
 import sys
 import time
 import uuid
+from pathlib import Path
 
 import pytest
 
@@ -14,6 +15,7 @@ from plcruntime.repl.completion import candidates
 from plcruntime.repl.session import Session
 
 COMMAND = [sys.executable, "-m", "plcruntime", "repl"]
+ROOT = Path(__file__).parents[3]
 WAIT = 30.0  # s that a terminal has to show something
 
 
@@ -51,9 +53,13 @@ power(Axis := axis, Enable := TRUE, bRegulatorOn := TRUE, bDriveStart := TRUE);
 END_PROGRAM
 """
     (tmp_path / "m.st").write_text(text)
-    done = piped(tmp_path / "m.st", "run 100ms\naxes\n")
-    assert "standstill" in done.stdout
+    done = piped(tmp_path / "m.st", "run 100ms\naxes\naxes live\naxes 50ms\n")
     assert done.returncode == 0
+    lines = done.stdout.splitlines()[2:]
+    assert lines[1].split()[:3] == ["1", "PLC_PRG.axis", "standstill"]
+    assert "needs a terminal" in lines[2]
+    assert lines[3] == "150 scans, 0.15 s"
+    assert lines[4:] == lines[:2]
 
 
 # ---------------------------------------------------------------------------------------------- completion
@@ -125,16 +131,34 @@ class Terminal:
         subprocess.run(["tmux", "kill-session", "-t", self.name], capture_output=True)
 
 
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory):
+    """The cache folder of all terminals here: compiled once."""
+    return tmp_path_factory.mktemp("cache")
+
+
 @pytest.fixture
-def terminal(source, tmp_path):
+def open_terminal(kept):
+    """Begins a session in a terminal on a file."""
     if shutil.which("tmux") is None:
         pytest.skip("tmux is not on this machine")
-    made = Terminal(source, {"SCANCYCLE_CACHE": str(tmp_path / "cache")})
-    yield made
-    made.close()
+    opened = []
+
+    def begin(file) -> Terminal:
+        opened.append(Terminal(file, {"SCANCYCLE_CACHE": str(kept)}))
+        return opened[-1]
+
+    yield begin
+    for terminal in opened:
+        terminal.close()
 
 
-def test_in_a_terminal(terminal, tmp_path):
+@pytest.fixture
+def terminal(open_terminal, source):
+    return open_terminal(source)
+
+
+def test_in_a_terminal(terminal, kept):
     terminal.shows("help lists the commands")
     terminal.shows("0>")
     terminal.line("step 5")
@@ -157,7 +181,7 @@ def test_in_a_terminal(terminal, tmp_path):
     while terminal.alive() and time.monotonic() < deadline:
         time.sleep(0.05)
     assert not terminal.alive()
-    assert "n * 1000" in (tmp_path / "cache" / "repl_history").read_text()
+    assert "n * 1000" in (kept / "repl_history").read_text()
 
 
 def test_ctrl_c_stops_a_run_and_the_session_goes_on(terminal):
@@ -181,3 +205,26 @@ def test_ctrl_c_while_probes_are_in_stops_at_a_statement(terminal):
     terminal.line("delete")
     terminal.line("step")
     terminal.shows("scans, ")
+
+
+def test_axes_live_until_a_key_is_pressed(open_terminal):
+    terminal = open_terminal(ROOT / "examples_st" / "gt_jog.st")
+    terminal.shows("0>")
+    terminal.line("speed := 20.0")
+    terminal.line("axes live")
+    terminal.shows("20.0000 pulse/ms")
+    first = terminal.shows("any key stops")
+    deadline = time.monotonic() + WAIT
+    while terminal.screen() == first:
+        assert time.monotonic() < deadline, first
+        time.sleep(0.05)
+    terminal.type("x")
+    terminal.shows(" scans, ")  # the table stays, and the prompt does not get the key
+    terminal.line("speed + 1.0")
+    screen = terminal.shows("21.0")
+    assert "20.0000 pulse/ms" in screen and "any key stops" not in screen
+    terminal.line("break PLC_PRG:40 if velocity > 25")
+    terminal.line("speed := 30.0")
+    terminal.line("axes live")
+    terminal.shows("breakpoint 1: PLC_PRG, in scan")
+    terminal.shows("PLC_PRG:40>")

@@ -1,0 +1,91 @@
+"""`axes live`: the table of the axes on a terminal, while the PLC keeps the wall clock's pace, until a key is pressed."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from plcruntime.plc import PLC
+from plcruntime.repl import axis_table
+
+FRAME = 0.1  # s of wall clock between two pictures
+
+
+class KeyPressed(Exception):
+    """The user has seen enough."""
+
+
+class LiveAxes:
+    """Draws the axes between calls into the module; to be given to PLC.on_progress."""
+
+    def __init__(self, plc: PLC, pressed: Callable[[], bool], draw: Callable[[object], None]) -> None:
+        self._plc, self._pressed, self._draw = plc, pressed, draw
+        self._next = 0.0
+
+    def __call__(self, _done: int, _goal: int) -> None:
+        """Raises KeyPressed."""
+        now = time.monotonic()
+        if now >= self._next:
+            self._draw(table(self._plc))
+            self._next = now + FRAME
+        if self._pressed():
+            raise KeyPressed
+
+
+def table(plc: PLC, hint: str = "; any key stops"):
+    """The axes as they stand, as a rich table."""
+    from rich import box
+    from rich.table import Table
+
+    made = Table(box=box.SIMPLE_HEAD, caption=f"{plc.time:.3f} s{hint}", pad_edge=False)
+    for name in axis_table.HEADS:
+        number = "position" in name or name == "velocity"
+        made.add_column(name, justify="right" if number else "left", min_width=15 if number else 4, no_wrap=True)
+    for row in axis_table.rows(plc):
+        made.add_row(*row)
+    return made
+
+
+@contextmanager
+def live_axes(plc: PLC) -> Iterator[LiveAxes]:
+    """The display for a run on this terminal. The last picture stays on the screen."""
+    from rich.live import Live
+
+    with _keys() as pressed, Live(table(plc), auto_refresh=False) as screen:
+        try:
+            yield LiveAxes(plc, pressed, lambda picture: screen.update(picture, refresh=True))
+        finally:
+            screen.update(table(plc, ""), refresh=True)
+
+
+if os.name == "nt":
+
+    @contextmanager
+    def _keys() -> Iterator[Callable[[], bool]]:
+        """A function that tells whether a key was pressed."""
+        import msvcrt
+
+        yield msvcrt.kbhit
+        while msvcrt.kbhit():
+            msvcrt.getwch()
+
+else:
+
+    @contextmanager
+    def _keys() -> Iterator[Callable[[], bool]]:
+        """A function that tells whether a key was pressed; Ctrl-C goes on being a signal."""
+        import select
+        import termios
+        import tty
+
+        where = sys.stdin.fileno()
+        before = termios.tcgetattr(where)
+        tty.setcbreak(where)
+        try:
+            yield lambda: bool(select.select([where], [], [], 0)[0])
+        finally:
+            termios.tcflush(where, termios.TCIFLUSH)  # the key is no input for the prompt
+            termios.tcsetattr(where, termios.TCSADRAIN, before)
