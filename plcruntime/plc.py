@@ -502,7 +502,7 @@ def build(
     from stcore.compiler import compile
 
     files, project = sources.gather(source, config)
-    libraries = [*project.libraries, mclib.LIBRARY]
+    libraries = [*project.libraries, *mclib.libraries(project.dialect)]
     program = compile(files, tasks=project.tasks, libraries=libraries, strict=strict or project.strict, probes=probes)
     return program, project
 

@@ -20,7 +20,7 @@ KEYS: dict[str, dict[str, str]] = {
     "": {"project": "table", "task": "tables", "axis": "tables", "ecat": "table"},
     "project": {
         "files": "list of texts", "interval": "duration", "libraries": "list of texts", "watchdog": "duration",
-        "strict": "TRUE or FALSE", "retain": "text", "retain_every": "duration", "stimuli": "text",
+        "strict": "TRUE or FALSE", "dialect": "text", "retain": "text", "retain_every": "duration", "stimuli": "text",
     },
     "task": {
         "name": "text", "program": "text", "programs": "list of texts", "interval": "duration",
@@ -82,6 +82,7 @@ class Project:
     axes: list[Axis] = field(default_factory=list)
     watchdog: float | None = None
     strict: bool = False
+    dialect: str = "codesys"
     retain: Path | None = None
     retain_every: float | None = None
     stimuli: Path | None = None
@@ -113,6 +114,7 @@ def load(path: str | Path) -> Project:
         axes=_axes(path, data.get("axis", [])),
         watchdog=_seconds(path, head, "watchdog"),
         strict=head.get("strict", False),
+        dialect=_dialect(path, head.get("dialect", "codesys")),
         ecat=_ecat(path, data["ecat"]) if "ecat" in data else None,
         retain=path.parent / head["retain"] if "retain" in head else None,
         retain_every=_seconds(path, head, "retain_every"),
@@ -179,6 +181,15 @@ def _duration(path: Path, where: str, value, least: int = 1) -> int | None:
 
 def _seconds(path: Path, head: dict, key: str) -> float | None:
     return (_duration(path, f"project.{key}", head[key], 0) or 0) / 1e9 if key in head else None
+
+
+def _dialect(path: Path, name: str) -> str:
+    import mclib
+
+    if name.lower() not in mclib.DIALECTS:
+        known = ", ".join(f'"{d}"' for d in mclib.DIALECTS)
+        raise UsageError(f"{path}: project.dialect is one of {known}, not {name!r}{_near(name, mclib.DIALECTS)}")
+    return name.lower()
 
 
 def _task(path: Path, i: int, table: dict) -> TaskSpec:

@@ -15,7 +15,7 @@ def execute(arguments: argparse.Namespace) -> int:
     from stcore.compiler import diagnose
 
     files, project = sources.gather(arguments.files, arguments.config)
-    libraries = [*project.libraries, mclib.LIBRARY]
+    libraries = [*project.libraries, *mclib.libraries(project.dialect)]
     with output.working("checking"):
         try:
             diagnostics = diagnose(files, libraries=libraries, strict=arguments.strict or project.strict)
