@@ -13,7 +13,7 @@ from stcore.emit.ranges import walk
 from stcore.emit.statements import Statements
 from stcore.scope import Pou, Var
 
-SMALL = 60  # nodes of a syntax tree: taken in wherever it is called
+SMALL = 30  # nodes of a syntax tree: taken in wherever it is called
 ONCE = 800  # the same, where there is one call
 ROOM = 3000  # so many nodes at most into one function: its compilation must stay quick
 
