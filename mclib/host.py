@@ -32,6 +32,9 @@ SETTINGS = {
     "resolution": (12, 0, 1e9),
     "soft_positive": (13, -2147483648, 2147483647),
     "soft_negative": (14, -2147483648, 2147483647),
+    "drive_speed": (15, 1e-9, 1e6),
+    "drive_drift": (16, -32767, 32767),
+    "pulse_type": (17, 0, 2),
 }
 SIGNALS = {"alarm", "limit_positive", "limit_negative"}
 

@@ -1,7 +1,7 @@
 """Every row of catalogue.csv against the library: names, order, types, defaults, results; values of constants.
 
-A difference must stand in signatures.toml with its reason. Functions that the manual only names (Table 10-2) are compared
-with the table of motion_facts.md, 3.5.
+A difference must stand in signatures.toml with its reason. Functions that the manual only names (Table 10-2) are
+compared with the table of motion_facts.md, 3.5.
 """
 
 import csv
@@ -113,7 +113,7 @@ SECTIONS = {"VAR_INPUT": "", "VAR_IN_OUT": "VAR_IN_OUT ", "VAR_OUTPUT": "=> "}
 
 @pytest.mark.parametrize("row", rows("am600_mc", "function_block"))
 def test_blocks(row, library):
-    """What the manual prints is there, in its order; CODESYS has more inputs and outputs than the AM600 manual prints."""
+    """What the manual prints is there, in its order; CODESYS has more inputs and outputs than the AM600 manual."""
     parts = [p.strip() for p in re.fullmatch(r"\w+\((.*)\)", library[row["name"]].signature)[1].split(";")]
     for section, arrow in SECTIONS.items():
         printed = members("; ".join(re.findall(rf"{section} (.*?)\s*END_VAR", row["signature"])))

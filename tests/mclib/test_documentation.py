@@ -1,4 +1,4 @@
-"""What ``scancycle list 'GT_*'`` shows: every GT_ function, structure and constant says units, ranges and its source."""
+"""What ``scancycle list 'GT_*'`` shows: each GT_ function, structure and constant says units, ranges and its source."""
 
 import re
 from pathlib import Path

@@ -117,12 +117,12 @@ def test_controllers_settings():
     io = Board(*calls)
     assert io(calls[0], i=2, k=3, pid={"kp": 1.5, "limit": 7}) == 0
     assert io(calls[1], pid={"kp": 0.0, "limit": 0}) == 0 and io["pid"]["kp"] == 1.5 and io["pid"]["limit"] == 7
-    assert io(calls[1], k=1) == 0 and io["pid"]["kp"] == 0.0
+    assert io(calls[1], k=1) == 0 and io["pid"]["kp"] == 1.0
     assert io(calls[0], pid={"limit": -1}) == 7 and io(calls[0], k=4) == 7
     assert io(calls[3], k=0) == 0 and io["k"] == 1
     assert io(calls[2], k=3) == 0 and io(calls[3], k=0) == 0 and io["k"] == 3
     assert io(calls[2], k=0) == 7
-    assert io(calls[4], k=1) == 0 and io.plc["SimIo.openLoop"][1] and io(calls[4], k=2) == 7
+    assert io(calls[4], k=0) == 0 and io.plc["SimIo.analogue"][1] and io(calls[4], k=2) == 7
     assert io(calls[6]) == 0 and io.plc["SimIo.cwCcw"][1]
     assert io(calls[5]) == 0 and not io.plc["SimIo.cwCcw"][1]
     assert all(io(call, i=13, k=1) == 7 for call in calls)
