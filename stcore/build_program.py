@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import functools
+import contextlib
 import gc
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from stcore import configuration
+from stcore import configuration, depth
 from stcore import syntax as s
 from stcore.check import CheckedProject
 from stcore.check.initial import check_init
@@ -20,33 +20,44 @@ from stcore.scope import Pou, Var, key
 from stcore.source import Source
 
 
-def uncollected(function: Callable) -> Callable:
-    """Run without the garbage collector: a build makes many small objects and frees none on the way."""
+@contextlib.contextmanager
+def at_full_length(sources: list[Source]) -> Iterator[None]:
+    """Without the garbage collector, since a build makes many small objects and frees none on the way, and with room for
+    deep trees. What is too deep even so is one error: raises CompileError."""
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        with depth.room():
+            yield
+    except RecursionError:
+        reporter = Reporter()
+        reporter.add("E0113", sources[0], 0)
+        raise CompileError(reporter.sorted()) from None
+    finally:
+        if collecting:
+            gc.enable()
 
-    @functools.wraps(function)
-    def wrapper(*args, **kwargs):
-        collecting = gc.isenabled()
-        gc.disable()
-        try:
-            return function(*args, **kwargs)
-        finally:
-            if collecting:
-                gc.enable()
 
-    return wrapper
-
-
-@uncollected
 def check_only(sources: list[Source], libraries: Sequence[Path], strict: bool) -> list[Diagnostic]:
-    project, reporter, _ = _checked(sources, libraries, strict, own_only=True)
-    return reporter.sorted()
+    try:
+        with at_full_length(sources):
+            project, reporter, _ = _checked(sources, libraries, strict, own_only=True)
+            return reporter.sorted()
+    except CompileError as error:
+        return error.diagnostics
 
 
-@uncollected
 def build(
     sources: list[Source], tasks: list[TaskSpec] | None, libraries: Sequence[Path], strict: bool, probes: bool = False
 ) -> tuple[Program, list[str]]:
     """The Program, and the paths of everything else that it was made of. probes: a build that can stop anywhere."""
+    with at_full_length(sources):
+        return _build(sources, tasks, libraries, strict, probes)
+
+
+def _build(
+    sources: list[Source], tasks: list[TaskSpec] | None, libraries: Sequence[Path], strict: bool, probes: bool
+) -> tuple[Program, list[str]]:
     project, reporter, user_pous = _checked(sources, libraries, strict)
     if not reporter.failed:
         tasks = tasks or _tasks(project, user_pous, reporter, sources)

@@ -7,12 +7,9 @@ from __future__ import annotations
 
 import re
 
-from stcore import literals
+from stcore import depth, literals
 from stcore import syntax as s
 
-# What is a level of the tree each, and the rest of the compiler goes down by a call or more a level:
-MAX_OPERANDS = 200  # of one expression without brackets
-MAX_STEPS = 100  # of a path, a.b[i]^.c, of signs in a row, of assignments in a row
 _LONG = 200  # characters; what is shorter can't have too many steps to matter
 
 _PRECEDENCE = {
@@ -227,8 +224,8 @@ def chain(t, a, b, v):
     items, texts = v[0], t.texts
     if len(items) == 3:
         return s.Binary(a, b, _operator(texts[items[1]]), items[0], items[2])
-    if len(items) > 2 * MAX_OPERANDS:
-        t.report("E0120", a, b, count=len(items) // 2 + 1, limit=MAX_OPERANDS)
+    if len(items) > 2 * depth.OPERANDS:
+        t.report("E0120", a, b, count=len(items) // 2 + 1, limit=depth.OPERANDS)
         return items[0]
     operands, operators = [items[0]], []
     at = 1
@@ -279,13 +276,13 @@ def _inner(node):
 
 
 def _level(t, node):
-    """Refuse a node that only lies around another, around another, a hundred times."""
+    """Refuse a node that only lies around another, around another, hundreds of times."""
     if node.end - node.start > _LONG:
         steps, inner = 0, node
-        while steps <= MAX_STEPS and (deeper := _inner(inner)) is not None:
+        while steps <= depth.STEPS and (deeper := _inner(inner)) is not None:
             inner = deeper
             steps += 1
-        if steps > MAX_STEPS:
+        if steps > depth.STEPS:
             t.report("E0113", inner.start, node.end)
             return inner
     return node

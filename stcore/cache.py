@@ -7,6 +7,7 @@ can't be read back is made anew.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import hashlib
 import os
@@ -16,6 +17,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from stcore import depth
+
 if TYPE_CHECKING:
     from stcore.diagnostics import Reporter
     from stcore.source import Source
@@ -24,7 +27,7 @@ if TYPE_CHECKING:
 # the files whose change makes stored trees worthless
 _PARSER = (
     "lexer", "pragmas", "tables", "parser", "build", "build_statements", "literals", "mend", "repair", "repair_search",
-    "blocks", "words", "syntax", "codes", "cache",
+    "blocks", "words", "syntax", "codes", "cache", "depth",
 )  # fmt: skip
 
 _problem = ""
@@ -123,18 +126,15 @@ def parse_cached(source: Source, reporter: Reporter) -> File:
     recorder = _Recorder(reporter)
     tree = parse(source, recorder)
     if all(code[0] == "W" for code, *_ in recorder.calls):
-        store("tree", key, _pickled((tree, recorder.calls)))
+        with contextlib.suppress(RecursionError):  # too deep to be worth keeping
+            store("tree", key, _pickled((tree, recorder.calls)))
     return tree
 
 
 def _pickled(tree: object) -> bytes:
-    """Pickling goes down the levels of a tree, more steps each than Python allows by default."""
-    limit = sys.getrecursionlimit()
-    sys.setrecursionlimit(max(limit, 20_000))  # the parser lets no tree be deeper than a tenth of that
-    try:
+    """Pickling goes down the levels of a tree."""
+    with depth.room():
         return pickle.dumps(tree, 5)
-    finally:
-        sys.setrecursionlimit(limit)
 
 
 class _Recorder:

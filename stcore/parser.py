@@ -11,13 +11,11 @@ import functools
 import gc
 from collections.abc import Callable
 
-from stcore import build, build_statements, lexer, repair, tables
+from stcore import build, build_statements, depth, lexer, repair, tables
 from stcore import syntax as s
 from stcore.diagnostics import Reporter
 from stcore.lexer import Tokens
 from stcore.source import Source
-
-MAX_STACK = 450  # entries; a level of nesting takes two to four
 
 
 def parse(source: Source, reporter: Reporter | None = None, mend: bool = True) -> s.File:
@@ -91,7 +89,7 @@ class Machine:
             at = self._advance(at)
             if at > len(tokens.kinds) - 1:
                 return self.values[0]
-            if len(self.states) > MAX_STACK:
+            if len(self.states) > depth.STACK:
                 at = self.repairs.too_deep(at)
             else:
                 at = self.repairs.repair(at)
@@ -117,7 +115,7 @@ class Machine:
                 firsts.append(at)
                 state = action
                 at += 1
-                if len(states) > MAX_STACK:
+                if len(states) > depth.STACK:
                     return at
                 continue
             if action <= -shift_reduce:

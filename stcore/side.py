@@ -15,6 +15,7 @@ from pathlib import Path
 
 from stcore import syntax as s
 from stcore import types as t
+from stcore.build_program import at_full_length
 from stcore.check import Checker
 from stcore.diagnostics import CompileError, Diagnostic, Reporter
 from stcore.emit import ModuleEmitter
@@ -80,6 +81,11 @@ def condition(names: Names, text: str, scene: Scene | None = None, offset: int =
 
 
 def _compile(names: Names, source: Source, tree, scene: Scene | None, offset: int = 0, boolean: bool = False) -> Side:
+    with at_full_length([source]):
+        return _compiled(names, source, tree, scene, offset, boolean)
+
+
+def _compiled(names: Names, source: Source, tree, scene: Scene | None, offset: int, boolean: bool) -> Side:
     program = names.program
     reporter = Reporter()
     at = program.image_end + offset
