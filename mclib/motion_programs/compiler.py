@@ -7,94 +7,24 @@ nothing of that name is declared.
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass, field
-
-from mclib.motion_programs.commands import COMMANDS, NUMBER, POINTERS
-
-MOST = 1024  # variables of a function, global variables
-MOST_COMMANDS = 4096
-MOST_FUNCTIONS = 32
-ONE = 1 << 16  # 1.0 in fixed point
-CONSTANT, GLOBAL, LOCAL = 0, 1, 2  # mode of an operand
-MOVE, TO_DOUBLE, TO_INT, NEG, NOT, BIT_NOT = 1, 2, 3, 4, 5, 6
-ARITHMETIC = {"+": 10, "-": 11, "*": 12, "/": 13, "%": 14}  # of int; 10 more for double
-LOGIC = {"&&": 30, "||": 31}
-COMPARE = {">": 32, "<": 33, "==": 34, ">=": 35, "<=": 36, "!=": 37}
-BITS = {"&": 40, "|": 41, "^": 42, "<<": 43, ">>": 44}
-GOTO, IF_GOTO, RETURN, IF_RETURN, CALL, ARG = 50, 51, 52, 53, 60, 61
-TYPES = {"int": "int", "short": "int", "long": "int", "double": "double", "void": "void"}
-_SPLIT = re.compile(r"(int|short|long|double|void)([A-Za-z_]\w*)$")
-_TOKEN = re.compile(
-    r"(?P<blank>[ \t\r\f]+|…+|\.{3,})|(?P<line>\n)|(?P<comment>//[^\n]*|/\*.*?\*/)|(?P<define>\#[ \t]*define\b[^\n]*)"
-    r"|(?P<number>0[xX][0-9a-fA-F]+|\d+\.\d*|\.\d+|\d+)|(?P<word>[A-Za-z_]\w*)"
-    r"|(?P<sign>&&|\|\||==|>=|<=|!=|<<|>>|[-+*/%<>=!~&|^(){}\[\];:,])",
-    re.S | re.A,
+from mclib.motion_programs.code import (
+    CONSTANT,
+    GLOBAL,
+    GOTO,
+    IF_GOTO,
+    IF_RETURN,
+    LOCAL,
+    MOST,
+    MOST_COMMANDS,
+    RETURN,
+    Function,
+    MotionError,
+    Operand,
+    Unit,
+    Variable,
 )
-
-
-class MotionError(Exception):
-    """A mistake in a motion program. line: from 1."""
-
-    def __init__(self, line: int, message: str) -> None:
-        super().__init__(message)
-        self.line, self.message = line, message
-
-
-@dataclass(slots=True)
-class Operand:
-    """A constant (value), a variable (index), or an element that another variable (by, at) chooses of `length`."""
-
-    mode: int = CONSTANT
-    index: int = 0
-    by: int = 0
-    at: int = 0
-    length: int = 0
-    value: int = 0
-
-
-@dataclass(slots=True)
-class Command:
-    op: int
-    line: int
-    dst: Operand = field(default_factory=Operand)
-    a: Operand = field(default_factory=Operand)
-    b: Operand = field(default_factory=Operand)
-
-
-@dataclass(slots=True)
-class Variable:
-    name: str
-    type: str
-    mode: int
-    index: int
-    length: int = 0  # 0: no array
-
-
-@dataclass(slots=True)
-class Function:
-    name: str
-    type: str
-    entry: int
-    variables: dict[str, Variable] = field(default_factory=dict)
-    size: int = 0
-
-
-@dataclass(slots=True)
-class Unit:
-    """What a file has become. variables: the global ones."""
-
-    commands: list[Command] = field(default_factory=list)
-    functions: dict[str, Function] = field(default_factory=dict)
-    variables: dict[str, Variable] = field(default_factory=dict)
-    size: int = 0
-
-
-@dataclass(slots=True)
-class _Token:
-    kind: str
-    text: str
-    line: int
+from mclib.motion_programs.expressions import Expressions
+from mclib.motion_programs.words import TYPES, Token
 
 
 def compile_motion(text: str) -> Unit:
@@ -102,83 +32,13 @@ def compile_motion(text: str) -> Unit:
     return _Compiler(text).unit()
 
 
-class _Compiler:
+class _Compiler(Expressions):
+    """Compiles a file: declarations, functions, statements."""
+
     def __init__(self, text: str) -> None:
-        self.macros: dict[str, list[_Token]] = {}
-        self.tokens = self._tokens(text.replace("；", ";").replace("，", ","))
-        self.at = 0
-        self.result = Unit()
-        self.function: Function | None = None
+        super().__init__(text)
         self.labels: dict[str, int] = {}
         self.jumps: list[tuple[Operand, str, int]] = []
-
-    # ------------------------------------------------------------------------------------------- words
-
-    def _tokens(self, text: str) -> list[_Token]:
-        tokens, line, at = [], 1, 0
-        while at < len(text):
-            found = _TOKEN.match(text, at)
-            if found is None:
-                end = text.find("\n", at)
-                rest = text[at : end if end >= 0 else None]
-                if not rest.isascii() and not re.search("[;{}]", rest):
-                    at += len(rest)  # a comment that was printed on two lines
-                    continue
-                raise MotionError(line, f"'{text[at]}' has no meaning here")
-            at = found.end()
-            kind = found.lastgroup
-            if kind == "define":
-                self._define(found.group().split("//")[0], line)
-            elif kind in ("number", "word", "sign"):
-                tokens += self.macros.get(found.group()) or [_Token(kind, found.group(), line)]
-                tokens[-1] = _Token(tokens[-1].kind, tokens[-1].text, line)
-            line += found.group().count("\n")
-        return [*tokens, _Token("end", "end of the file", line)]
-
-    def _define(self, text: str, line: int) -> None:
-        words = re.match(r"#\s*define\s+([A-Za-z_]\w*)\s+(-?\s*[\w.]+)\s*$", text)
-        if words is None:
-            raise MotionError(line, "a macro is written '#define NAME number'")
-        name, value = words.groups()
-        found = [_Token(m.lastgroup or "", m.group(), line) for m in _TOKEN.finditer(value) if m.lastgroup != "blank"]
-        if found[0].text == "-" and len(found) == 2:
-            found = [_Token("number", "-" + found[1].text, line)]
-        self.macros[name] = found[:1]
-
-    @property
-    def token(self) -> _Token:
-        return self.tokens[self.at]
-
-    def take(self) -> _Token:
-        token = self.token
-        self.at += 1
-        return token
-
-    def accept(self, text: str) -> bool:
-        if self.token.text == text and self.token.kind != "end":
-            self.at += 1
-            return True
-        return False
-
-    def expect(self, text: str, after: str) -> None:
-        if not self.accept(text):
-            line = self.tokens[max(self.at - 1, 0)].line
-            raise MotionError(line, f"{text} is missing {after}")
-
-    def name(self, what: str) -> _Token:
-        token = self.take()
-        if token.kind != "word":
-            raise MotionError(token.line, f"{what} is missing before '{token.text}'")
-        return token
-
-    def split(self, *, but: set[str]) -> None:
-        """Take a word apart that has lost the blank behind its type: intsum."""
-        token = self.token
-        found = _SPLIT.match(token.text) if token.kind == "word" and token.text not in but else None
-        if found:
-            self.tokens[self.at : self.at + 1] = [_Token("word", x, token.line) for x in found.groups()]
-
-    # ------------------------------------------------------------------------------------------- the file
 
     def unit(self) -> Unit:
         while self.token.kind != "end":
@@ -214,7 +74,7 @@ class _Compiler:
         self.labels, self.jumps = {}, []
         return self.function
 
-    def _function(self, kind: str, name: _Token) -> None:
+    def _function(self, kind: str, name: Token) -> None:
         function = self._begin(name.text, kind, name.line)
         while not self.accept(")"):
             self.split(but=set())
@@ -269,7 +129,7 @@ class _Compiler:
                 break
         self.expect(";", "after a declaration")
 
-    def _declare(self, name: _Token, kind: str, length: int, function: Function | None) -> None:
+    def _declare(self, name: Token, kind: str, length: int, function: Function | None) -> None:
         owner = function or self.result
         if name.text in owner.variables or (function is None and name.text in self.result.functions):
             raise MotionError(name.line, f"{name.text} is declared twice")
@@ -279,12 +139,7 @@ class _Compiler:
         if owner.size > MOST:
             raise MotionError(name.line, f"more than {MOST} {'local' if function else 'global'} variables")
 
-    # ------------------------------------------------------------------------------------------- statements
-
-    def _add(self, op: int, line: int, dst: Operand | None = None, a: Operand | None = None, b: Operand | None = None):
-        command = Command(op, line, dst or Operand(), a or Operand(), b or Operand())
-        self.result.commands.append(command)
-        return command
+    # ------------------------------------------------------------------------------------------ statements
 
     def _known(self) -> set[str]:
         return set(self.result.variables) | set(self.function.variables)
@@ -320,7 +175,7 @@ class _Compiler:
         else:
             self._assignment(token)
 
-    def _jump(self, token: _Token) -> str:
+    def _jump(self, token: Token) -> str:
         """The label of a goto, of one that has lost its blank too; '' when it is none."""
         if token.text == "goto":
             return self.name("a label").text
@@ -328,7 +183,7 @@ class _Compiler:
             return token.text[4:]
         return ""
 
-    def _is_return(self, token: _Token) -> bool:
+    def _is_return(self, token: Token) -> bool:
         if token.text == "return":
             return True
         if not token.text.startswith("return") or self.token.text != ";" or token.text in self._known():
@@ -336,7 +191,7 @@ class _Compiler:
         self.at -= 1
         rest = token.text[6:]
         kind = "number" if rest.isdigit() else "word"
-        self.tokens[self.at] = _Token(kind, rest, token.line)
+        self.tokens[self.at] = Token(kind, rest, token.line)
         return True
 
     def _goto(self, op: int, line: int, label: str, condition: Operand) -> None:
@@ -373,7 +228,7 @@ class _Compiler:
         else:
             raise MotionError(line, "after if(var) stands goto or return")
 
-    def _assignment(self, name: _Token) -> None:
+    def _assignment(self, name: Token) -> None:
         target, kind = self._variable(name)
         if not self.accept("="):
             raise MotionError(name.line, f"= is missing after {name.text}")
@@ -387,160 +242,3 @@ class _Compiler:
         if self.token.kind == "sign" and self.token.text not in (";", "}"):
             raise MotionError(name.line, "an expression has at most two operands")
         self.expect(";", "at the end of the statement")
-
-    def _expression(self, name: _Token, target: Operand, kind: str) -> None:
-        line = name.line
-        if self.token.text == "(" and self.tokens[self.at + 1].text in TYPES:
-            self.at += 1
-            cast = TYPES[self.take().text]
-            self.expect(")", "after the type of a cast")
-            value, given = self._operand(cast)
-            op = MOVE if given == cast else TO_DOUBLE if cast == "double" else TO_INT
-            self._same(line, name.text, kind, cast)
-            self._add(op, line, target, value)
-        elif self.token.text in ("!", "~", "-") and self.tokens[self.at + 1].kind != "number":
-            sign = self.take().text
-            value, given = self._operand(kind)
-            self._same(line, name.text, kind, given)
-            if sign != "-" and given != "int":
-                raise MotionError(line, f"{sign} needs an int")
-            self._add({"!": NOT, "~": BIT_NOT, "-": NEG}[sign], line, target, value)
-        else:
-            value, given = self._operand(kind)
-            sign = self.token.text
-            if sign not in ARITHMETIC and sign not in LOGIC and sign not in COMPARE and sign not in BITS:
-                self._same(line, name.text, kind, given)
-                self._add(MOVE, line, target, value)
-                return
-            self.at += 1
-            literal = self.tokens[self.at - 2].kind == "number"
-            other, second = self._operand(given)
-            if literal and given != second:
-                value, given = self._literal(value, second), second
-            if given != second:
-                raise MotionError(line, f"the operands of {sign} are {given} and {second}: write a cast first")
-            self._binary(line, sign, given, name.text, kind, target, value, other)
-
-    def _binary(self, line, sign, given, name, kind, target, a, b) -> None:
-        if sign in ARITHMETIC:
-            op, result = ARITHMETIC[sign] + (10 if given == "double" else 0), given
-        elif sign in COMPARE:
-            op, result = COMPARE[sign], "int"
-        else:
-            op, result = (LOGIC.get(sign) or BITS[sign]), "int"
-            if given != "int":
-                raise MotionError(line, f"{sign} needs int operands")
-        self._same(line, name, kind, result)
-        self._add(op, line, target, a, b)
-
-    def _same(self, line: int, name: str, wanted: str, given: str) -> None:
-        if wanted != given:
-            raise MotionError(line, f"{name} is {wanted}, the value is {given}: write a cast, ({wanted})")
-
-    # ------------------------------------------------------------------------------------------- operands
-
-    def _operand(self, wanted: str) -> tuple[Operand, str]:
-        """A variable or a number. wanted: the type that a whole number takes."""
-        token = self.take()
-        if token.text == "-" and self.token.kind == "number":
-            token = _Token("number", "-" + self.take().text, token.line)
-        if token.kind == "number":
-            kind = "double" if "." in token.text or wanted == "double" else "int"
-            return Operand(value=self._value(token, kind)), kind
-        if token.kind != "word":
-            raise MotionError(token.line, f"a variable or a number is missing before '{token.text}'")
-        return self._variable(token)
-
-    def _value(self, token: _Token, kind: str) -> int:
-        if "." in token.text:
-            number = float(token.text)
-        else:
-            number = int(token.text, 16 if "x" in token.text.lower() else 10)
-        if not -(1 << 31) <= number < (1 << 32 if "x" in token.text.lower() else 1 << 31):
-            raise MotionError(token.line, f"{token.text} is beyond -2147483648..2147483647")
-        if kind == "double":
-            return round(number * ONE)
-        return number - (1 << 32) if number >= 1 << 31 else number
-
-    def _literal(self, value: Operand, kind: str) -> Operand:
-        """A whole number beside a double."""
-        return Operand(value=value.value * ONE) if kind == "double" and value.mode == CONSTANT else value
-
-    def _number(self, what: str, kind: str) -> int:
-        token = self.take()
-        if token.kind != "number" or "." in token.text:
-            raise MotionError(token.line, f"{what} is a whole number")
-        return self._value(token, kind)
-
-    def _find(self, name: _Token) -> Variable:
-        found = self.function.variables.get(name.text) or self.result.variables.get(name.text)
-        if found is None:
-            raise MotionError(name.line, f"{name.text} is not declared")
-        return found
-
-    def _variable(self, name: _Token) -> tuple[Operand, str]:
-        variable = self._find(name)
-        if not self.accept("["):
-            if variable.length:
-                raise MotionError(name.line, f"{name.text} is an array: write {name.text}[index]")
-            return Operand(variable.mode, variable.index), variable.type
-        if not variable.length:
-            raise MotionError(name.line, f"{name.text} is no array")
-        if self.token.kind == "number":
-            index = self._number("an index", "int")
-            if not 0 <= index < variable.length:
-                raise MotionError(name.line, f"{name.text} has the indices 0 to {variable.length - 1}")
-            operand = Operand(variable.mode, variable.index + index)
-        else:
-            chooser = self._find(self.name("an index"))
-            if chooser.length or self.token.text == "[":
-                raise MotionError(name.line, "an array element can't be an index")
-            if chooser.type != "int":
-                raise MotionError(name.line, "an index is an int")
-            operand = Operand(variable.mode, variable.index, chooser.mode, chooser.index, variable.length)
-        self.expect("]", "after an index")
-        return operand, variable.type
-
-    # ------------------------------------------------------------------------------------------- commands
-
-    def _call(self, name: _Token, target: Operand) -> None:
-        if name.text not in COMMANDS:
-            raise MotionError(name.line, f"{name.text} is not known in motion programs (Table 10-2)")
-        words = COMMANDS[name.text].split()
-        call = self._add(CALL, name.line, target, Operand(index=NUMBER[name.text]), Operand(index=len(words)))
-        self.expect("(", f"after {name.text}")
-        given = 0
-        while not self.accept(")"):
-            if given >= len(words):
-                raise MotionError(name.line, f"{name.text} has {len(words)} parameters")
-            self._argument(name, call, words[given], given + 1)
-            given += 1
-            if self.token.text != ")":
-                self.expect(",", f"between the arguments of {name.text}")
-        if given < len(words):
-            raise MotionError(name.line, f"{name.text} needs all its {len(words)} parameters, {given} are given")
-
-    def _argument(self, name: _Token, call: Command, word: str, number: int) -> None:
-        line = self.token.line
-        what = f"argument {number} of {name.text}"
-        if word in ("int", "double"):
-            if self.token.text.upper() in ("&", "NULL"):
-                raise MotionError(line, f"{what} is a value")
-            value, kind = self._operand(word)
-            if kind != word:
-                raise MotionError(line, f"{what} is {word}, not {kind}: write a cast first")
-            self._add(ARG, line, Operand(index=int(word == "double")), value)
-            return
-        if self.accept("NULL") or (self.token.text == "0" and self.accept("0")):
-            raise MotionError(line, f"{what} must be written: the address of a variable")
-        address = self.accept("&")
-        variable = self._find(self.name(f"a variable as {what}"))
-        operand, length = Operand(variable.mode, variable.index), max(variable.length, 1)
-        if self.token.text == "[":
-            self.at -= 1
-            operand, _ = self._variable(self.take())
-            length = variable.index + length - operand.index if not operand.by else 1
-        elif not address and not variable.length:
-            raise MotionError(line, f"{what} is the address of a variable: write &{variable.name}")
-        kind = Operand(index=2, at=POINTERS[word], length=int(variable.type == "double"), value=min(length, 16))
-        self._add(ARG, line, kind, operand)

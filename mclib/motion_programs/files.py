@@ -8,7 +8,7 @@ import os
 import struct
 from pathlib import Path
 
-from mclib.motion_programs.compiler import Function, Operand, Unit, Variable
+from mclib.motion_programs.code import Function, Operand, Unit, Variable
 
 MAGIC = b"scancycle motion program 1\n"
 _OPERAND = "hhhhh6xq"  # as GtMotionOperand.st and GtMotionCode.st lie in memory

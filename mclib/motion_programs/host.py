@@ -7,7 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from mclib.motion_programs import files
-from mclib.motion_programs.compiler import MOST_COMMANDS, MOST_FUNCTIONS, MotionError, compile_motion
+from mclib.motion_programs.code import MOST_COMMANDS, MOST_FUNCTIONS, MotionError
+from mclib.motion_programs.compiler import compile_motion
 
 MOST_SYMBOLS = 2048  # GtMotion.symbol
 LONGEST = 125  # of a file name

@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from mclib.motion_programs import files
-from mclib.motion_programs.compiler import MotionError, compile_motion
+from mclib.motion_programs.code import MotionError
+from mclib.motion_programs.compiler import compile_motion
 from plcruntime import PLC
 
 LISTINGS = Path(__file__).parents[3] / "shared/manuals/listings"

@@ -7,7 +7,8 @@ import pytest
 
 import mclib
 from mclib.motion_programs import commands, files
-from mclib.motion_programs.compiler import MotionError, compile_motion
+from mclib.motion_programs.code import MotionError
+from mclib.motion_programs.compiler import compile_motion
 
 SUM = """int sum;
 int add(int begin, int end)
