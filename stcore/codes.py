@@ -135,6 +135,7 @@ CODES: dict[str, Code] = {
     "E0605": Code("a list of values can't initialise {type}"),
     "E0606": Code("{given} values for an array of {room}"),
     "E0607": Code("named values can't initialise {type}"),
+    "E0608": Code("the constant {name} depends on itself: {way}", "give one of them a value of its own"),
     # --- E07: files and projects
     "E0701": Code("there is no PROGRAM to run", "write PROGRAM PLC_PRG ... END_PROGRAM"),
     "E0702": Code("a task runs {name}, which is no PROGRAM", "{near}"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 from stcore import syntax as s
@@ -111,9 +112,11 @@ class Declarer:
         return upper not in t.ELEMENTARY and (entry is None or entry.symbol is None)
 
     def _integer(self, node: s.Node, pou: Pou | None, default: int) -> int:
+        said = len(self.project.reporter.diagnostics)
         value = self.project.evaluate(node, self.source, pou, self.library)
         if isinstance(value, bool) or not isinstance(value, int):
-            self.error("E0601", node)
+            if len(self.project.reporter.diagnostics) == said:
+                self.error("E0601", node)
             return default
         return value
 
@@ -275,6 +278,9 @@ class Declarer:
         sections = sorted(pou.tree.sections, key=lambda x: "CONSTANT" not in x.qualifiers)
         made: dict[int, Var] = {}
         for section in sections:
+            for decl in section.decls if "CONSTANT" in section.qualifiers else ():
+                pou.later.setdefault(key(decl.name), partial(self._declare, decl, section, pou, made))
+        for section in sections:
             for decl in section.decls:
                 self._declare(decl, section, pou, made)
         order = [made[id(d)] for x in pou.tree.sections for d in x.decls if id(d) in made]
@@ -283,6 +289,9 @@ class Declarer:
 
     def _declare(self, decl: s.VarDecl, section: s.VarSection, pou: Pou, made: dict[int, Var]) -> None:
         name, given = key(decl.name), decl
+        pou.later.pop(name, None)
+        if id(decl) in made:
+            return
         first = pou.variables.get(name)
         if first is not None:
             line = self.source.position(first.decl.start)[0]

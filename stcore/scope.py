@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from stcore import syntax as s
@@ -77,6 +78,7 @@ class Pou:
     result: Var | None = None
     bindings: dict[str, Type] = field(default_factory=dict)
     enum_names: dict[str, EnumValue] = field(default_factory=dict)  # of enumerations declared in a variable
+    later: dict[str, Callable[[], None]] = field(default_factory=dict)  # declares a constant that stands further down
     actions: dict[str, s.Action] = field(default_factory=dict)
     attributes: dict[str, str] = field(default_factory=dict)
     uses: set[Pou] = field(default_factory=set)

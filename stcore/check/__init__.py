@@ -46,6 +46,7 @@ class CheckedProject(Project):
         self.connections: dict[str, tuple[s.ExprStmt, Source]] = {}  # program or instance -> its call by the task
         self.mirrors: list[Mirror] = []
         self.aliases: dict[str, str] = {}  # other names for programs
+        self.evaluated: list[Var] = []  # constants whose values are being worked out, one for another
         self.areas = {"I": 0, "Q": 0, "M": 0}  # bytes in use
 
     def known_names(self, library: bool = False) -> list[str]:
@@ -117,7 +118,9 @@ class CheckedProject(Project):
             if init.checked:
                 return init.value.const if isinstance(init.value, s.Node) else None
             checker.source = init.source
+            self.evaluated.append(what)
             init.value = checker.typed(init.node, what.type, f"initial value of {what.name}")
+            self.evaluated.pop()
             init.checked = True
             return init.value.const
         return checker.value(what).const

@@ -39,6 +39,8 @@ class Context:
         """The symbol of a name: of this POU first, then global."""
         upper = key(name)
         if self.pou is not None:
+            if upper in self.pou.later:
+                self.pou.later[upper]()
             var = self.pou.variables.get(upper)
             if var is not None:
                 return var

@@ -75,6 +75,8 @@ class Names(Conversions):
         """What a name stands for, put on its node."""
         node.symbol = symbol
         if isinstance(symbol, Var):
+            if symbol.constant and symbol in self.project.evaluated:
+                return self._circle(node, symbol)
             node.type, node.const = symbol.type, symbol.const
             if symbol.owner is None and symbol.storage == "global" and symbol.library and self.pou is not None:
                 self.project.library_globals.add(symbol)
@@ -89,6 +91,13 @@ class Names(Conversions):
         elif isinstance(symbol, s.Action):
             node.symbol = ActionOf(self.pou, symbol)
         return node
+
+    def _circle(self, node: s.Node, symbol: Var) -> s.Node:
+        """A constant whose value needs its value."""
+        names = [v.name for v in self.project.evaluated]
+        names = [*names[self.project.evaluated.index(symbol) :], symbol.name]
+        self.error("E0608", node, name=symbol.name, way=" -> ".join(names))
+        return self.wrong(node)
 
     def use(self, pou: Pou) -> None:
         """Note that this POU's code needs another."""

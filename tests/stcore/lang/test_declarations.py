@@ -1,5 +1,6 @@
 """Declarations that refer to each other: types in a circle of pointers, constants in any order."""
 
+import pytest
 from running import errors, program, run
 
 
@@ -36,3 +37,37 @@ def test_a_structure_that_holds_itself_is_still_an_error():
 def test_an_unknown_type_behind_a_pointer_is_one_error():
     found = errors(program("a.p^.n := 1;", "a : A;", "TYPE A : STRUCT p : POINTER TO Nowhere; END_STRUCT END_TYPE"))
     assert [d.code for d in found] == ["E0202"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "VAR_GLOBAL CONSTANT a : INT := b + 1; b : INT := a; END_VAR PROGRAM P END_PROGRAM",
+        "VAR_GLOBAL CONSTANT a : INT := a; END_VAR PROGRAM P END_PROGRAM",
+        "VAR_GLOBAL CONSTANT a : LREAL := SIN(b); b : LREAL := a; END_VAR PROGRAM P END_PROGRAM",
+        "VAR_GLOBAL CONSTANT a : STRING := b; b : STRING := c; c : STRING := a; END_VAR PROGRAM P END_PROGRAM",
+        "PROGRAM P VAR CONSTANT a : INT := b + 1; b : INT := a; END_VAR END_PROGRAM",
+        "FUNCTION F : INT VAR CONSTANT a : INT := b + 1; b : INT := a; END_VAR END_FUNCTION PROGRAM P END_PROGRAM",
+        "VAR_GLOBAL CONSTANT n : INT := SIZEOF(t); END_VAR VAR_GLOBAL t : ARRAY[0..n] OF BYTE; END_VAR"
+        " PROGRAM P END_PROGRAM",
+    ],
+)
+def test_constants_in_a_circle_are_one_error(text):
+    found = errors(text)
+    assert [d.code for d in found] == ["E0608"] and "->" in found[0].message
+
+
+def test_constants_may_use_those_further_down():
+    made = run(
+        "x := A + UPPER_BOUND(row, 1) + F(); y := g;",
+        "x, y : INT; row : ARRAY[0..A] OF INT; END_VAR VAR CONSTANT A : INT := B + 1; B : INT := C * 2; END_VAR"
+        " VAR CONSTANT C : INT := D; D : INT := 3;",
+        "VAR_GLOBAL CONSTANT g : INT := h + 1; h : INT := 4; END_VAR\n"
+        "FUNCTION F : INT VAR CONSTANT p : INT := q + 1; q : INT := 10; END_VAR F := p; END_FUNCTION",
+    )
+    assert (made["x"], made["y"]) == (7 + 7 + 11, 5)
+
+
+def test_a_constant_declared_twice_is_one_error():
+    found = errors("PROGRAM P VAR CONSTANT a : INT := b; b : INT := 1; b : INT := 2; END_VAR END_PROGRAM")
+    assert [(d.code, d.column) for d in found] == [("E0201", 52)]
