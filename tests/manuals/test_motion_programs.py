@@ -87,6 +87,40 @@ def test_every_parameter_must_be_written():
         compile_motion("void f()\n{\n" + text("ideabox3/24_getclock_app_call.c") + "}")
 
 
+def test_a_cast_and_conditional_jumps(tmp_path, monkeypatch):
+    """10.4.1 (6) and 10.4.2 (5): three lines in a program around them."""
+    cast = text("ideabox3/29_cast.c").strip() + ";"
+    jump = text("ideabox3/30_if_goto.c")
+    give = text("ideabox3/31_if_return.c").replace("value", "a")
+    source = f"""
+int a; double b; int var; int count;
+int main()
+{{
+b = -7.75;
+{cast}
+var = 0;
+label:
+count = count + 1;
+{give}
+var = count < 3;
+{jump}
+var = 1;
+{give}
+return 0;
+}}"""
+    unit = compile_motion(source)
+    files.write(unit, tmp_path / "program.c")
+    monkeypatch.chdir(tmp_path)
+    plc = PLC.load(RUN, interval="1ms")
+    plc.scan(3)
+    values = {name: plc[f"GtMotion.globals[{v.index}]"] for name, v in unit.variables.items()}
+    assert values["a"] == -7 and values["count"] == 2  # the jump taken once, the return in the second pass
+    assert plc["PLC_PRG.sts.result"] == -7.0
+    for line in ("if(a > 1) goto label;", "if(a > 1) return a;"):
+        with pytest.raises(MotionError, match="no expression"):
+            compile_motion(f"int a; int f()\n{{\nlabel:\n{line}\nreturn a;\n}}")
+
+
 def test_combined_motion_of_three_axes(tmp_path, monkeypatch):
     """guc20: arm, glue and piece wait for each other; the ST program only starts them."""
     unit = compile_motion(text("guc_ecat_advanced/20_combined_motion.c"))
