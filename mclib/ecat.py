@@ -336,7 +336,7 @@ def configure(plc, bus: Bus | None = None) -> None:
                   profile=slave.profile, wired=slave.wired, axis=slave.axis, start=slave.start,
                   outputs=slave.outputs, inputs=slave.inputs, first=first, last=entries - 1)  # fmt: skip
         if slave.axis:
-            image.put("Drive", slave.axis, slave=n)
+            image.put("Drive", slave.axis, slave=n, axis=slave.axis)
     for k, (slave, at, till) in enumerate(bus.faults):
         image.put("fault", k, slave=slave, **{"from": at, "till": till})
     image.set(
@@ -345,6 +345,19 @@ def configure(plc, bus: Bus | None = None) -> None:
         size=sum(s.outputs + s.inputs for s in bus.slaves),
     )  # fmt: skip
     image.finish()
+    _tell_blocks(plc, variables, bus)
+
+
+def _tell_blocks(plc, variables, bus: Bus) -> None:
+    """Which drive MC_Home and the parameters of an axis mean (mclib/library/mc/McHomeDrive.st)."""
+    homing = variables.get("MCHOMING.AXIS")
+    if homing is None:
+        return
+    drives, memory = variables["ECAT.DRIVE"], plc._machine.memory
+    for axis in (s.axis for s in bus.slaves if s.axis):
+        at = homing.address + (axis - homing.type.bounds[0][0]) * homing.type.element.size
+        drive = drives.address + (axis - drives.type.bounds[0][0]) * drives.type.element.size
+        struct.pack_into("<I", memory, at + homing.type.element.members["BUS"].offset, drive)
 
 
 class _Image:

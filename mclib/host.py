@@ -154,7 +154,8 @@ def _section(line: str, number: int) -> range:
 
 
 def bind_axes(plc) -> None:
-    """Give every AXIS_REF_SM3 of the program its number in the simulator: the order of declaration.
+    """Give every AXIS_REF_SM3 of the program its number in the simulator: that of plc.toml for an axis declared there,
+    else the order of declaration.
 
     Raises ValueError when there are more than the simulator has.
     """
@@ -165,21 +166,23 @@ def bind_axes(plc) -> None:
     ref_type = program.types.get(AXIS)
     if ref_type is None:
         return
-    addresses = list(axis_addresses(program))
+    declared = {program.variables[f"AXES.{a.name.upper()}"].address: a.number for a in plc.project.axes if a.kind}
+    addresses = [a for a in axis_addresses(program) if a not in declared]
     (low, high), element = simulated.type.bounds[0], simulated.type.element
-    if len(addresses) > high - low + 1:
-        raise ValueError(
-            f"the program declares {len(addresses)} axes of type {AXIS}; the simulator has {high - low + 1}"
-        )
+    free = [n for n in range(low, high + 1) if n not in declared.values()]
+    if len(addresses) > len(free) or max(declared.values(), default=0) > high:
+        count = len(addresses) + len(declared)
+        raise ValueError(f"the program declares {count} axes of type {AXIS}; the simulator has {high - low + 1}")
+    numbers = sorted((declared | dict(zip(addresses, free, strict=False))).items(), key=lambda item: item[1])
     count = program.variables["SIM.COUNT"].address
     used, number, ref = (element.members[m].offset for m in ("USED", "NUMBER", "REF"))
-    for n, address in enumerate(addresses, low):
+    for address, n in numbers:
         axis = simulated.address + (n - low) * element.size
         struct.pack_into("<h", memory, address + ref_type.members["AXISNO"].offset, n)
         struct.pack_into("<B", memory, axis + used, 1)
         struct.pack_into("<h", memory, axis + number, n)
         struct.pack_into("<I", memory, axis + ref, address)
-    most = max(len(addresses), struct.unpack_from("<h", memory, count)[0])
+    most = max(numbers[-1][1] if numbers else 0, struct.unpack_from("<h", memory, count)[0])
     struct.pack_into("<h", memory, count, most)
     # how many scans a block may stay away from its axis: those of the slowest task
     slowest = max((task.interval or 0 for task in program.timed), default=0)

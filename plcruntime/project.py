@@ -12,6 +12,7 @@ from typing import Any
 from plcruntime import durations
 from plcruntime.errors import UsageError
 from stcore.program import TaskSpec
+from stcore.source import Source
 
 NAME = "plc.toml"
 
@@ -27,7 +28,8 @@ KEYS: dict[str, dict[str, str]] = {
         "priority": "whole number",
     },
     "axis": {
-        "number": "whole number", "name": "text", "lag": "duration", "resolution": "number", "inertia": "number",
+        "number": "whole number", "name": "text", "kind": "text", "lag": "duration", "resolution": "number",
+        "inertia": "number",
         "soft_positive": "number", "soft_negative": "number", "following_error": "whole number",
         "stop_smooth": "number", "stop_abrupt": "number", "pulses_per_unit": "number", "modulo": "number",
         "max_velocity": "number", "max_acceleration": "number", "max_deceleration": "number", "max_jerk": "number",
@@ -56,17 +58,26 @@ MEMBERS: dict[str, str] = {
     "index_at": "places.index",
 }  # fmt: skip
 
+# kind of an axis that plc.toml declares -> its type in the program
+KINDS = {
+    "pulse": "AXIS_REF_SM3", "ethercat": "AXIS_REF_SM3", "virtual": "AXIS_REF_VIRTUAL_SM3",
+    "logical": "AXIS_REF_LOGICAL_SM3",
+}  # fmt: skip
+LIST = "Axes"  # list of global variables that holds the axes declared in plc.toml
 PLACES = {"limit_positive", "limit_negative", "home_from", "home_to"}  # keys that place a switch
 
 
 @dataclass(slots=True)
 class Axis:
-    """An axis of the configuration. members: path below the simulator's axis -> first value; keys: their names."""
+    """An axis of the configuration. members: path below the simulator's axis -> first value; keys: their names.
+
+    kind: as KINDS; the axis then is a global variable of the program, '' where the program declares it itself."""
 
     number: int
     name: str = ""
     members: dict[str, Any] = field(default_factory=dict)
     keys: dict[str, str] = field(default_factory=dict)
+    kind: str = ""
 
 
 @dataclass(slots=True)
@@ -105,17 +116,18 @@ def load(path: str | Path) -> Project:
         raise UsageError(f"{path} is not TOML: it is not UTF-8") from None
     _check(path, "", data)
     head = data.get("project", {})
+    axes = _axes(path, data.get("axis", []))
     return Project(
         path=path,
         files=[path.parent / f for f in head.get("files", ["."])],
         libraries=[path.parent / f for f in head.get("libraries", [])],
         interval=_duration(path, "project.interval", head.get("interval")),
         tasks=[_task(path, i, t) for i, t in enumerate(data["task"])] if "task" in data else None,
-        axes=_axes(path, data.get("axis", [])),
+        axes=axes,
         watchdog=_seconds(path, head, "watchdog"),
         strict=head.get("strict", False),
         dialect=_dialect(path, head.get("dialect", "codesys")),
-        ecat=_ecat(path, data["ecat"]) if "ecat" in data else None,
+        ecat=_bus(path, data, axes),
         retain=path.parent / head["retain"] if "retain" in head else None,
         retain_every=_seconds(path, head, "retain_every"),
         stimuli=path.parent / head["stimuli"] if "stimuli" in head else None,
@@ -208,7 +220,7 @@ def _axes(path: Path, tables: list[dict]) -> list[Axis]:
         if number < 1 or any(a.number == number for a in axes):
             problem = "is there twice" if number > 0 else "is not 1 or more"
             raise UsageError(f"{path}: axis number {number} {problem}")
-        axis = Axis(number, table.get("name", ""))
+        axis = Axis(number, table.get("name", ""), kind=_kind(path, number, table))
         for key, member in MEMBERS.items():
             if key in table:
                 axis.members[member] = _in_ms(path, number, table[key]) if key == "lag" else table[key]
@@ -224,6 +236,33 @@ def _axes(path: Path, tables: list[dict]) -> list[Axis]:
             axis.keys["places.placed"] = "home_from"
         axes.append(axis)
     return axes
+
+
+def _kind(path: Path, number: int, table: dict) -> str:
+    """The kind of an axis, whose name then has to be one of ST."""
+    kind, name = table.get("kind", "").lower(), table.get("name", "")
+    if "kind" in table and kind not in KINDS:
+        known = ", ".join(f'"{k}"' for k in KINDS)
+        raise UsageError(f"{path}: axis {number}: kind is one of {known}, not {table['kind']!r}{_near(kind, KINDS)}")
+    if kind and not (name.isidentifier() and name.isascii()):
+        raise UsageError(f"{path}: axis {number}: with a kind it is a variable of the program and needs a name for it")
+    return kind
+
+
+def declarations(project: Project) -> list[Source]:
+    """What the configuration adds to the program: the axes that it declares, and the bus."""
+    declared = "".join(f"    {a.name} : {KINDS[a.kind]};\n" for a in project.axes if a.kind)
+    bus = "{attribute 'needs' := 'EcatTick'}\n" if project.ecat else ""
+    text = f"{bus}VAR_GLOBAL\n{declared}END_VAR\n"
+    return [Source(text, f"{project.path}/{LIST}")] if declared or bus else []
+
+
+def _bus(path: Path, data: dict, axes: list[Axis]):
+    """The bus of [ecat]; without that one of the axes that are on a bus, None where there is none."""
+    drives = [{"kind": "drive", "axis": a.number} for a in axes if a.kind == "ethercat"]
+    if "ecat" in data:
+        return _ecat(path, data["ecat"])
+    return _ecat(path, {"slave": drives}) if drives else None
 
 
 def _ecat(path: Path, table: dict):

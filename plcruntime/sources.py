@@ -39,7 +39,7 @@ def gather(
             files += _of_folder(path)
         else:
             files.append(path)
-    return files or _of_project(project), project
+    return [*(files or _of_project(project)), *projects.declarations(project)], project
 
 
 def is_text(item: str | Path) -> bool:

@@ -16,7 +16,8 @@ END_VAR
 move(Axis := ax, Direction := mcShortestWay, BufferMode := mcAborting);
 run(Axis := ax, Velocity := 100, Acceleration := 1000, Deceleration := 1000, Direction := mcNegativeDirection);
 stop(Axis := ax, Deceleration := 1000); again(Axis := ax, Deceleration := 1000);
-place(Axis := ax, Relative := TRUE); profile(Axis := ax, TimeVelocity := table); path(Axis := ax, TimePosition := points);
+place(Axis := ax, Relative := TRUE); profile(Axis := ax, TimeVelocity := table);
+path(Axis := ax, TimePosition := points);
 END_PROGRAM
 """
 POWER = {
