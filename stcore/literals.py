@@ -86,10 +86,10 @@ def typed(text: str) -> tuple[object, str]:
         case "DATE" | "LDATE":
             return _date(rest, name), name
         case "TOD" | "LTOD":
-            return _clock(rest), name
+            return _clock(rest) // (10**6 if name == "TOD" else 1), name
         case "DT" | "LDT":
             day, _, clock = rest.rpartition("-")
-            return _date(day, name) + _clock(clock) // 1000, name
+            return _date(day, name) + _clock(clock) // (10**9 if name == "DT" else 1), name
         case "BOOL":
             values = {"TRUE": True, "FALSE": False, "1": True, "0": False, "2#1": True, "2#0": False}
             if rest.upper() not in values:
@@ -129,12 +129,12 @@ def _duration(text: str, name: str) -> int:
 
 
 def _date(text: str, name: str) -> int:
-    """2024-01-31 -> seconds since 1970-01-01."""
+    """2024-01-31 -> seconds since 1970-01-01; nanoseconds for LDATE and LDT."""
     parts = text.split("-")
     if len(parts) != 3 or not all(p.isdecimal() for p in parts):
         raise BadLiteral("E0111", "it is written year-month-day, as in D#2024-01-31")
     year, month, day = map(int, parts)
-    last = 9999 if name[0] == "L" else 2106
+    last = 2261 if name[0] == "L" else 2106
     if not 1970 <= year <= last:
         raise BadLiteral("E0111", f"the year is from 1970 to {last}, not {year}")
     if not 1 <= month <= 12:
@@ -143,11 +143,11 @@ def _date(text: str, name: str) -> int:
         days = date(year, month, day).toordinal() - _EPOCH
     except ValueError:
         raise BadLiteral("E0111", f"month {month} of {year} has no day {day}") from None
-    return days * 86_400
+    return days * 86_400 * (10**9 if name[0] == "L" else 1)
 
 
 def _clock(text: str) -> int:
-    """12:34:56.789 -> milliseconds since midnight."""
+    """12:34:56.789 -> nanoseconds since midnight."""
     match = re.fullmatch(r"(\d+):(\d+)(?::(\d+)(?:\.(\d+))?)?", text)
     if not match:
         raise BadLiteral("E0111", "a time of day is written hours:minutes:seconds, as in TOD#12:34:56.789")
@@ -155,8 +155,8 @@ def _clock(text: str) -> int:
     for value, limit, what in ((hours, 24, "hour"), (minutes, 60, "minute"), (seconds, 60, "second")):
         if value >= limit:
             raise BadLiteral("E0111", f"there is no {what} {value}")
-    milliseconds = int((match[4] or "0")[:3].ljust(3, "0"))
-    return ((hours * 60 + minutes) * 60 + seconds) * 1000 + milliseconds
+    fraction = int((match[4] or "0")[:9].ljust(9, "0"))
+    return ((hours * 60 + minutes) * 60 + seconds) * 10**9 + fraction
 
 
 def string(text: str) -> str:

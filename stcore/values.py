@@ -285,8 +285,7 @@ def _index_text(t: Array, i: int) -> str:
 
 _DECIMAL = re.compile(r"[+-]?[0-9]+(\.[0-9]+([eE][+-]?[0-9]+)?)?")
 _TIMES = {"TIME", "LTIME"}
-_SECONDS = {"DATE", "DT", "LDATE", "LDT"}
-_MILLISECONDS = {"TOD", "LTOD"}
+_UNITS = {"DATE": 10**9, "DT": 10**9, "TOD": 10**6, "LDATE": 1, "LDT": 1, "LTOD": 1, "TIME": 1, "LTIME": 1}  # ns
 
 
 def literal(program: Program, memory, node: Node, t: Type, path: str):
@@ -353,7 +352,7 @@ def _named(program: Program, memory, node: Name | Member, t: Type, path: str):
 def _literal(node: Literal, t: Type, path: str):
     """The value of a literal for an elementary type or a string, after the checks that Python's types don't make."""
     name = node.type_name
-    is_time = name in _TIMES | _SECONDS | _MILLISECONDS
+    is_time = name in _UNITS
     wants = t.kind if isinstance(t, Elementary) else ""
     if wants == "time" and name not in _TIMES:
         raise TypeError(f"{path} is {t}: it takes a time such as T#500ms, not {node.text}")
@@ -365,7 +364,7 @@ def _literal(node: Literal, t: Type, path: str):
         raise TypeError(f"{path} is {t}: it can't hold {node.text}")
     if not is_time:
         return node.value
-    return Nanoseconds(node.value * (1 if name in _TIMES else 10**6 if name in _MILLISECONDS else 10**9))
+    return Nanoseconds(node.value * _UNITS[name])
 
 
 def _shown(value) -> str:

@@ -34,8 +34,6 @@ class Names(Conversions):
         node.type = t.ELEMENTARY[name]
         if name == "TIME":
             node.const = wrap(value // 10**6, t.TIME)
-        elif name in ("LDATE", "LDT", "LTOD"):
-            node.const = value * (10**6 if name == "LTOD" else 10**9)
         elif node.type.kind in INTEGER and not node.type.low <= value <= node.type.high:
             self.warn("W0304", node, value=value, type=node.type)
             node.const = wrap(value, node.type)

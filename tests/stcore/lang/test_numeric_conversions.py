@@ -5,7 +5,7 @@ from random import Random
 
 import pytest
 from model import KINDS, convert, single, written
-from running import Run
+from running import Run, errors, program, run
 
 EDGES = [0, 1, 2, 3, 100, 127, 128, 200, 255, 256, 32767, 32768, 65535, 65536, 2**31 - 1, 2**31, 2**32 - 1, 2**32]
 EDGES += [2**53, 2**53 + 1, 2**63 - 1, 2**63, 2**64 - 1]
@@ -59,3 +59,19 @@ def test_special_values(name):
     ).scan()
     assert (run["i"], run["j"], run["k"], run["u"], run["b"]) == (0, 2**31 - 1, -(2**31), 0, True)
     assert math.isinf(run["y"])
+
+
+def test_long_dates_and_times_of_day_keep_nanoseconds():
+    made = run(
+        "a := LTOD_TO_LINT(t); b := LDT_TO_LINT(d); c := LDATE_TO_LINT(e); s := LDT_TO_STRING(d); f := TOD_TO_DINT(u);",
+        "a, b, c : LINT; t : LTOD := LTOD#12:34:56.123456789; d : LDT := LDT#2024-02-29-12:00:00.000000001; f : DINT;"
+        "e : LDATE := LDATE#2261-12-31; s : STRING; u : TOD := TOD#00:00:01.2345;",
+    )
+    assert made["a"] == ((12 * 60 + 34) * 60 + 56) * 10**9 + 123456789
+    assert made["b"] == 1709208000 * 10**9 + 1
+    assert (made["c"], made["f"]) == (9214560000 * 10**9, 1234)
+    assert made["s"] == "LDT#2024-02-29-12:00:00.000000001"
+
+
+def test_long_dates_beyond_64_bits_of_nanoseconds_are_an_error():
+    assert [d.code for d in errors(program("d := LDT#2300-01-01-00:00:00;", "d : LDT;"))] == ["E0111"]
