@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import queue
 import struct
+import sys
 import threading
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 ANY_DEPTH = 1 << 30
 PATIENCE = 1.0  # s after Ctrl-C until a statement that does not end is broken off
 TICK = 0.1
+BACKGROUND = 0.0005  # s that a compilation in the background holds up what the user does
 OTHERS = 8192  # bytes for the constants of the condition of `until`, before those of breakpoints
 
 
@@ -127,10 +129,20 @@ class Debugger:
 
     def prepare(self) -> None:
         """Compile the probed build in the background, so that the first step need not wait for it."""
-        if self._plc.origin is not None:
-            worker = ThreadPoolExecutor(1, "scancycle build")
-            self._ahead = worker.submit(self._compile)
-            worker.shutdown(wait=False)
+        if self._plc.origin is not None and self._ahead is None:
+            self._ahead = Future()
+            # a daemon: whoever quits at once does not wait for it
+            threading.Thread(target=self._compile_ahead, name="scancycle build", daemon=True).start()
+
+    def _compile_ahead(self) -> None:
+        usual = sys.getswitchinterval()
+        sys.setswitchinterval(BACKGROUND)
+        try:
+            self._ahead.set_result(self._compile())
+        except BaseException as error:  # told to whoever asks for the build
+            self._ahead.set_exception(error)
+        finally:
+            sys.setswitchinterval(usual)
 
     def _compile(self) -> Program:
         from plcruntime.plc import build

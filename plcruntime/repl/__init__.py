@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import traceback
 
 from plcruntime.errors import ConditionTimeout, UsageError
 from plcruntime.repl.commands import COMMANDS, Commands, split
@@ -25,6 +26,7 @@ class Repl:
     def loop(self) -> None:
         """On a terminal with completion and history, else from the standard input as it comes."""
         self.session.greet()
+        self.session.debugger.prepare()
         if sys.stdin.isatty() and sys.stdout.isatty():
             from plcruntime.repl.terminal import lines
         else:
@@ -63,6 +65,9 @@ class Repl:
             self.session.say(f"{error.filename or 'file'}: {error.strerror or error}")
         except RecursionError:
             self.session.say("that is nested too deeply")
+        except Exception as error:  # a mistake of ours: the user's session is worth more than its place
+            traceback.print_exc()
+            self.session.say(f"scancycle itself failed here ({error}); please report the lines above")
         return True
 
 

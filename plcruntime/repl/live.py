@@ -1,4 +1,4 @@
-"""`axes live`: the table of the axes on a terminal, while the PLC keeps the wall clock's pace, until a key is pressed."""
+"""`axes live`: the table of the axes on a terminal while the PLC keeps the wall clock's pace; a key ends it."""
 
 from __future__ import annotations
 

@@ -39,7 +39,6 @@ def _history(session: Session) -> History:
 def lines(session: Session) -> Iterator[str]:
     """What the user types, until Ctrl-D. Ctrl-C clears the line."""
     session.interactive = True
-    session.debugger.prepare()
     threading.Thread(target=_warm, name="scancycle imports", daemon=True).start()
     prompt = PromptSession(history=_history(session), completer=_Completer(session), complete_while_typing=True)
     while True:
