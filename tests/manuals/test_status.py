@@ -57,7 +57,7 @@ def test_6_1_flags_are_the_bits_of_table_6_2(status_program, bit):
 
 @pytest.mark.parametrize(
     ("mode", "text"),
-    enumerate(["Trap", "Jog", "PT", "Gear", "Follow", "Interpolation", "PVT"]),
+    list(enumerate(["Trap", "Jog", "PT", "Gear", "Follow", "Interpolation", "PVT"])),
 )
 def test_6_1_modes(status_program, mode, text):
     status_program.axes[1].mode = mode
