@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import sys
 
-if sys.version_info < (3, 11):
-    _words = "scancycle needs Python 3.11 or newer; this is %d.%d: %s" % (*sys.version_info[:2], sys.executable)
+if sys.version_info < (3, 11):  # noqa: UP036 - only newer ones are asked for, but any may be used
+    # no f-string: the oldest must read this too
+    _words = "scancycle needs Python 3.11 or newer; this is %d.%d: %s" % (*sys.version_info[:2], sys.executable)  # noqa: UP031
     # `python -m plcruntime` ends with the sentence alone, an import with a traceback that leads to the cause
     raise SystemExit(_words) if sys.argv[:1] == ["-m"] else ImportError(_words)
 

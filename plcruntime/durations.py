@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+Time = str | float | int  # '500ms', 'T#1s', '#120' (scans), or a number of seconds
 UNITS = {
     "d": 86_400 * 10**9,
     "h": 3_600 * 10**9,

@@ -11,7 +11,6 @@ Times are virtual: scan number k (from 0) sees k * interval, and nothing depends
 from __future__ import annotations
 
 import atexit
-import re
 import weakref
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -19,12 +18,14 @@ from typing import TYPE_CHECKING
 
 from plcruntime import durations, sources
 from plcruntime.axes import ROOT, Axes
+from plcruntime.durations import Time
 from plcruntime.engine import Engine
-from plcruntime.errors import ConditionTimeout, UsageError
+from plcruntime.errors import UsageError
 from plcruntime.project import Project
+from plcruntime.running import Running
 from plcruntime.snapshot import Snapshot
-from plcruntime.stimuli import Stimulus, scan_of
-from stcore import paths, values
+from plcruntime.variables import Variables
+from stcore import paths
 from stcore.diagnostics import Diagnostic
 from stcore.faults import Fault
 from stcore.paths import PathError, Place
@@ -44,10 +45,9 @@ WATCHDOG = 2.0  # s of wall clock for one scan
 MAX_COLUMNS = 5000  # of a trace
 MAX_ELEMENTS = 1000  # of an array in a trace of every variable
 FOREVER = 1 << 62  # scans
-Time = str | float | int  # '500ms', 'T#1s', '#120' (scans), or a number of seconds
 
 
-class PLC:
+class PLC(Variables, Running):
     """A loaded program with its memory image, its clock and its simulated axes.
 
     Read and write variables by path: ``plc["PLC_PRG.trap.acc"]``, ``plc["%QX0.3"] = True``. BOOL is bool, integers are
@@ -144,53 +144,7 @@ class PLC:
         state = f", fault {self.fault.code}" if self.fault else ""
         return f"<PLC {name}: {self.scans} scans, {self.time:.9g} s{state}>"
 
-    # ---------------------------------------------------------------------------------------- variables
-
-    def place(self, path: str) -> Place:
-        """Where a path leads: its full name, type and address. Raises PathError (a KeyError)."""
-        place = self._places.get(path)
-        if place is None:
-            place = self._places[path] = paths.resolve(self.program, path)
-        return place
-
-    def __getitem__(self, path: str):
-        """The value of a variable. Raises PathError: unknown, ambiguous, or behind a NULL pointer."""
-        return values.read(self._machine.memory, self.place(path))
-
-    def __setitem__(self, path: str, value) -> None:
-        """Write a variable now, before the next scan. Raises PathError, TypeError, ValueError, writing nothing."""
-        self._engine.write(self._pieces(self.place(path), value))
-
-    def show(self, path: str) -> str:
-        """The value as ST writes it: TRUE, T#1.5s, 'text', the name of an ENUM's value."""
-        return values.show(self.place(path).type, self[path])
-
-    def _pieces(self, place: Place, value) -> list[tuple[int, bytes]]:
-        if place.constant:
-            raise ValueError(f"{place.name} is a constant")
-        return values.encode(self._machine.memory, place, value)
-
-    def variables(self) -> dict[str, object]:
-        """The values of all variables of the user's programs and global lists, by full path."""
-        memory = self._machine.memory
-        return {p.name: values.read(memory, p) for p in paths.user_places(self.program)}
-
-    # ------------------------------------------------------------------------------------------ running
-
-    @property
-    def scans(self) -> int:
-        """Scans finished."""
-        return self._engine.scans
-
-    @property
-    def interval(self) -> float:
-        """The length of a scan in s."""
-        return self._engine.interval / 1e9
-
-    @property
-    def time(self) -> float:
-        """Virtual time in s: scans * interval."""
-        return self.scans * self._engine.interval / 1e9
+    # ------------------------------------------------------------------------------------- what went wrong
 
     @property
     def fault(self) -> Fault | None:
@@ -210,147 +164,7 @@ class PLC:
 
         return warnings.of(self)
 
-    @property
-    def run_seconds(self) -> float:
-        """Wall clock spent inside the program so far, in s."""
-        return self._engine.run_s
-
-    def scan(self, count: int = 1) -> None:
-        """Run scans. Raises stcore.machine.Fault when the program fails, and again until reset, restore or back."""
-        if count < 0:
-            raise ValueError(f"can't run {count} scans")
-        self._engine.advance(count)
-
-    def run(self, duration: Time, *, realtime: bool = False) -> None:
-        """Run for a virtual time ('2s', 2.5, '#120'), rounded up to whole scans. realtime: keep the wall clock's pace.
-
-        Raises Fault as `scan` does; KeyboardInterrupt at a scan's boundary, with the PLC fit to go on.
-        """
-        try:
-            self._engine.advance(self._count(duration), realtime=realtime)
-        finally:
-            self.save_retain()
-
-    def run_until(self, condition: str | Callable, timeout: Time = "10s", *, realtime: bool = False) -> float:
-        """Run until a condition holds at the end of a scan; gives the virtual time in s.
-
-        condition: an ST expression ("PLC_PRG.done AND x > 3"), asked inside the module, or a Python function, called
-        with the PLC or without arguments after every scan. Raises ConditionTimeout (a TimeoutError) after `timeout` of
-        virtual time, stcore.CompileError for a wrong expression, Fault as `scan` does.
-        """
-        count = self._count(timeout)
-        test = until = None
-        if callable(condition):
-            test = _with_plc(condition, self)
-        else:
-            from stcore.compiler import compile_condition
-
-            until = compile_condition(self.program, condition)
-        try:
-            reached = self._engine.advance(count, until=until, test=test, realtime=realtime)
-        finally:
-            self.save_retain()
-        if not reached:
-            text = condition if isinstance(condition, str) else getattr(condition, "__name__", repr(condition))
-            raise ConditionTimeout(text, durations.text(count * self._engine.interval), self._read_by(condition))
-        return self.time
-
-    def _count(self, duration: Time) -> int:
-        return durations.scans(duration, self._engine.interval)
-
-    def _read_by(self, condition) -> dict[str, str]:
-        """The variables that an ST condition names, with their values."""
-        found = {}
-        if isinstance(condition, str):
-            for path in re.findall(r"%?[^\W\d][\w.]*(?:\[[^\]]*\][\w.]*)*", condition):
-                try:
-                    found[self.place(path).name] = self.show(path)
-                except PathError:  # a keyword, a function, a literal's prefix: not a variable
-                    continue
-        return found
-
-    def on_scan(self, function: Callable) -> Callable:
-        """Call a Python function after every scan, with the PLC or without arguments: a plant model. Gives it back."""
-        self._engine.after_scan.append(_with_plc(function, self))
-        return function
-
-    def on_progress(self, function: Callable[[int, int], None] | None) -> None:
-        """Call a function (scans done, scans wanted) some twenty times a second of wall clock during long runs."""
-        self._engine.between_calls = function
-
-    def schedule(self, path: str, value, at: Time, *, force: bool = False) -> None:
-        """Write or force a variable before the scan that starts at a virtual time. Raises as writing does."""
-        self.check_value(path, value)  # a wrong value is an error now, not in the middle of a run
-        action = (lambda: self.force(path, value)) if force else (lambda: self.__setitem__(path, value))
-        self._schedule(at, action, f"{self.place(path).name} {'forced to' if force else ':='} {_st(value)}")
-
-    def schedule_release(self, path: str, at: Time) -> None:
-        """Release a variable, if it is forced then, before the scan that starts at a virtual time."""
-        name = self.place(path).name
-        self._schedule(at, lambda: self.unforce(name) if name in self.forced else None, f"{name} released")
-
-    def _schedule(self, at: Time, action: Callable[[], None], text: str) -> None:
-        self._engine.schedule.add(self._count(at), action, self.scans)
-        self.scheduled.append((self._count(at), text))
-
-    def stimuli(self, path: str | Path) -> int:
-        """Schedule the stimuli of a .csv or .toml file (plcruntime.stimulus_file tells the form); how many there are.
-
-        Raises UsageError for a name, value or time that is wrong, naming its line; then none is scheduled."""
-        from plcruntime import stimulus_file
-
-        return stimulus_file.schedule(self, path)
-
-    def check_value(self, path: str, value) -> None:
-        """Whether a value could be written. Raises PathError, TypeError, ValueError as writing does."""
-        place = self.place(path)
-        try:
-            self._pieces(place, value)
-        except PathError:
-            if not place.hops:
-                raise  # behind a pointer that the program sets later: told when it is written
-
-    def stimulate(self, stimulus: Stimulus, *, force: bool = False) -> None:
-        """Schedule ``VAR=VALUE@TIME``, VALUE as ST writes it. Raises UsageError."""
-        scan = scan_of(stimulus, self._engine.interval)
-        try:
-            value = self.parse_value(stimulus.path, stimulus.value)
-            self.schedule(stimulus.path, value, f"#{scan}", force=force)
-        except (PathError, TypeError, ValueError) as error:
-            raise UsageError(f"'{stimulus.text}': {error}") from None
-
-    def parse_value(self, path: str, text: str):
-        """The Python value of an ST literal for a variable. Raises PathError, TypeError, ValueError."""
-        place = self.place(path)
-        node = values.plain_literal(text) or _parsed(text)
-        return values.literal(self.program, self._machine.memory, node, place.type, place.name)
-
-    # ------------------------------------------------------------------------------------ force and trace
-
-    def force(self, path: str, value) -> None:
-        """Hold a variable at a value before and after the programs of every scan, until `unforce`."""
-        place = self.place(path)
-        pieces = self._pieces(place, value)
-        self._engine.write(pieces)
-        self._engine.change_forces(lambda forces: forces.hold(place.name, pieces, place.bit))
-
-    def unforce(self, path: str | None = None) -> None:
-        """Release a forced variable, or all. Raises PathError when the variable is not forced."""
-        name = self.place(path).name if path is not None else None
-        if name is not None and name not in self.forced:
-            raise PathError(f"{name} is not forced; forced: {', '.join(self.forced) or 'nothing'}")
-
-        def change(forces) -> None:
-            for forced in list(forces.active):
-                if name in (None, forced):
-                    del forces.active[forced]
-
-        self._engine.change_forces(change)
-
-    @property
-    def forced(self) -> list[str]:
-        """The paths that are forced."""
-        return list(self._engine.forces.active)
+    # ------------------------------------------------------------------------------------------ recording
 
     def trace(self, *names: str, trigger: str | None = None, pre: Time = 0, post: Time | None = None) -> Trace:
         """Record variables at the end of every scan from now on; arrays and structures become a column an element.
@@ -507,26 +321,6 @@ def build(
     return program, project
 
 
-def _st(value) -> str:
-    """A value as text, as ST would write it where that is easy."""
-    if isinstance(value, values.Nanoseconds):
-        return durations.text(value)
-    return str(value).upper() if isinstance(value, bool) else repr(value) if isinstance(value, str) else str(value)
-
-
-def _parsed(text: str):
-    """The syntax node of a value. Raises ValueError."""
-    from stcore.diagnostics import Reporter
-    from stcore.parser import parse_initializer
-    from stcore.source import Source
-
-    reporter = Reporter()
-    node = parse_initializer(Source(text, "<value>"), reporter)
-    if reporter.failed or node is None:
-        raise ValueError(f"{text} is not a value; write it as in ST: TRUE, 16#FF, 'text', T#500ms, [1,2,3], (a:=1)")
-    return node
-
-
 def _test_host(plc: PLC, program: Program) -> dict[str, Callable]:
     """What the assertions of ST tests need of the host, for a program that uses them."""
     if not any(e.name.upper().startswith("HOSTTEST") for e in program.externals):
@@ -543,19 +337,3 @@ def _motion_host(program: Program):
     import mclib.host
 
     return mclib.host
-
-
-def _with_plc(function: Callable, plc: PLC) -> Callable[[], object]:
-    """The function as one without arguments."""
-    import inspect
-
-    try:
-        wants = any(
-            p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)
-            and p.default is p.empty
-            or p.kind == p.VAR_POSITIONAL
-            for p in inspect.signature(function).parameters.values()
-        )
-    except ValueError:  # some built-in callables have no signature
-        wants = False
-    return (lambda: function(plc)) if wants else function
