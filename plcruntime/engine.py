@@ -154,20 +154,18 @@ class Engine:
             step = min(left, self._chunk, self.schedule.scans_until_next(scans) or left)
         if clock:
             step = min(step, clock.step)
-        if self.recorder.active:
-            if not self.recorder.room:
-                self.recorder.drain(scans)
-            step = min(step, self.recorder.room)
         return step
 
     def _call(self, step: int) -> bool:
         """One call into the module. True when it stopped because its condition holds."""
+        if self.recorder.active and self.recorder.full:
+            self.recorder.drain(self.scans)
         if self.recorder.dynamic:
             self.recorder.follow_pointers()
         began = time.perf_counter()
         try:
             with self.guard.call():
-                self.machine.run(step)
+                done = self.machine.run(step)
         except Fault as fault:
             self.fault = fault
             if self.guard.stopped:
@@ -176,9 +174,9 @@ class Engine:
         finally:
             seconds = time.perf_counter() - began
             self.run_s += seconds
-        if step >= self._chunk:
+        if done >= self._chunk:
             # towards CALL_SECONDS, at most eightfold at a time: the first scans are not like the others
-            self._chunk = max(1, min(self._chunk * 8, int(step * CALL_SECONDS / max(seconds, 1e-7))))
+            self._chunk = max(1, min(self._chunk * 8, int(done * CALL_SECONDS / max(seconds, 1e-7))))
         return self._look_at_conditions()
 
     def _set_conditions(self) -> None:
@@ -287,10 +285,6 @@ class Engine:
         """Run to a scan that was reached before; its causes are in the journal, so nobody is called."""
         while (left := goal - self.scans) > 0:
             step = 1 if self.recorder.active and self.recorder.dynamic else left
-            if self.recorder.active:
-                if not self.recorder.room:
-                    self.recorder.drain(self.scans)
-                step = min(step, self.recorder.room)
             with self.guard.run():
                 self._call(step)
 

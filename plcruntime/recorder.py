@@ -1,7 +1,7 @@
 """The recorder: the tables and the buffer in the memory through which the module records all traces of a PLC.
 
-The module compares whole blocks of 32 bytes and writes down the words that have changed since the last scan: a row of
-all the variables of a program costs little time and memory where few of them change.
+The module copies a row of blocks of 16 bytes at the end of every scan, and writes down after every 16 rows which words
+of 8 bytes changed: a row of all the variables of a program costs little time, and what does not change no memory.
 """
 
 from __future__ import annotations
@@ -9,13 +9,25 @@ from __future__ import annotations
 import struct
 from bisect import bisect_right
 
-from plcruntime.rows import ENTRY, ROWS, WORD, WORDS, Chunk, Keeper, Segment
+from plcruntime.rows import HEADER, TOGETHER, WORD, Chunk, Keeper, Segment
 from plcruntime.trace import Trace
 from stcore.paths import PathError, Place
-from stcore.program import TRACE, TRACE_BEFORE, TRACE_END, TRACE_NEXT, TRACE_ROW
+from stcore.program import TRACE
 
-BUFFER = 1 << 20  # bytes of changes between two looks of the host
-BLOCK = 4 * WORD
+BUFFER = 1 << 21  # bytes of changes between two looks of the host
+BLOCK = 2 * WORD
+WORDS = 1 << 16  # of a row at most
+MOST = 1 << 16  # times that 16 rows are searched
+LINE = 64  # bytes of the processor's cache
+
+# The control words, UDINT each
+RANGES = 0  # address of a table of (UDINT address, UDINT bytes), and that of its end
+ROWS = 8  # address of the copied rows (in front of them lies the one before), of the next row, of the end of the 16th
+SIZE = 20  # of a row in bytes
+FOUND = 24  # address of the next value and, above which there is none, of the next header
+NEEDED = 32  # bytes between the two for 16 more rows
+SEARCHED = 36  # so many times 16 rows since the host looked
+CONTROL = struct.Struct("<10I")
 
 
 class Recorder:
@@ -25,16 +37,16 @@ class Recorder:
         self._machine = machine
         self._traces: list[Trace] = []
         self._finished: list[Trace] = []  # with a trigger that has fired
-        self._ranges: list[tuple[int, int]] = []  # address, number of blocks
+        self._ranges: list[tuple[int, int]] = []  # address, bytes: whole blocks
         self._moving: list[Place] = []  # behind pointers: ranges of their own, which may be elsewhere in every scan
-        self._offsets: list[tuple[int, ...]] = []  # for each trace those of its columns in the blocks
-        self._start = 0  # of the buffer
-        self._row_size = 0  # bytes of the changes of a row in which every word changes
-        self._blocks = 0
+        self._offsets: list[tuple[int, ...]] = []  # for each trace those of its columns in a row
+        self._size = 0  # bytes of a row
         self._keeper = Keeper()
-        self._first = b""  # the blocks before the first row in the buffer
-        self._table = self._table_capacity = self._buffer_size = 0
-        self._before = self._before_size = 0  # the blocks at the last row
+        self._first = b""  # the row before the first that is not drained
+        self._control = 0
+        self._table = self._table_capacity = 0
+        self._rows = self._rows_size = 0  # room for 16 rows and the one before them
+        self._buffer = self._buffer_size = 0
         self._zero = self._zero_size = 0  # bytes that stand for a variable behind a NULL pointer
 
     @property
@@ -52,15 +64,13 @@ class Recorder:
         return [t for t in self._traces if t.trigger and t.trigger.scan is None]
 
     @property
-    def room(self) -> int:
-        """Scans that may run before `drain`; 0 when it is time for that."""
-        left = self._start + self._buffer_size - self._word(TRACE_NEXT)
-        if left < self._buffer_size // 4:
-            return 0
-        return min(left // self._row_size, ROWS - self._word(TRACE_ROW))
+    def full(self) -> bool:
+        """True when it is time for `drain`: the module ends a run there."""
+        value, header, needed, searched = self._words(FOUND, 4)
+        return header - value < needed or searched == MOST
 
-    def _word(self, address: int) -> int:
-        return int.from_bytes(self._machine.memory[address : address + 4], "little")
+    def _words(self, at: int, count: int) -> tuple[int, ...]:
+        return struct.unpack_from(f"<{count}I", self._machine.memory, self._control + at)
 
     def add(self, trace: Trace, scan: int) -> None:
         """Begin a trace; `scan` scans are finished. Raises ValueError when it and the others hold too many bytes."""
@@ -85,7 +95,7 @@ class Recorder:
     def move_to(self, machine) -> None:
         """Another machine runs the program from now on."""
         self._machine = machine
-        self._table_capacity = self._buffer_size = self._before_size = self._zero_size = 0
+        self._control = self._table_capacity = self._rows_size = self._buffer_size = self._zero_size = 0
         self.arrange()
 
     def forget_from(self, scan: int) -> None:
@@ -97,41 +107,50 @@ class Recorder:
 
     def pause(self) -> None:
         """Record nothing until `arrange`."""
-        struct.pack_into("<I", self._machine.memory, TRACE + 4, 0)
+        struct.pack_into("<I", self._machine.memory, TRACE, 0)
 
     def arrange(self) -> None:
-        """Write the table; to be called again after the memory was initialised."""
+        """Write the tables; to be called again after the memory was initialised."""
+        self.pause()
         places = [p for t in self._traces for p in t.places]
         self._ranges = _ranges([p for p in places if not p.hops])
         self._moving = [p for p in places if p.hops]
         self._lay_out()
+        if not places:
+            return
+        self._control = self._control or self._machine.allocate(CONTROL.size)
         count = len(self._ranges) + len(self._moving)
         if count > self._table_capacity:
             self._table_capacity = 2 * count
             self._table = self._machine.allocate(8 * self._table_capacity)
-        needed = max(BUFFER, 16 * self._row_size) if places else 0
-        if needed > self._buffer_size:
-            self._start, self._buffer_size = self._machine.allocate(needed), needed
-        if self._blocks * BLOCK > self._before_size:
-            self._before_size = self._blocks * BLOCK
-            self._before = self._machine.allocate(self._before_size)
-        most = max((_blocks(p.size) * BLOCK for p in self._moving), default=0)
+        if (TOGETHER + 1) * self._size > self._rows_size:
+            self._rows_size = (TOGETHER + 1) * self._size
+            self._rows = -(-self._machine.allocate(self._rows_size + LINE) // LINE) * LINE
+        needed = self._size // BLOCK * (HEADER.size + TOGETHER * BLOCK)
+        if max(BUFFER, 4 * needed) > self._buffer_size:
+            self._buffer_size = max(BUFFER, 4 * needed)
+            self._buffer = self._machine.allocate(self._buffer_size)
+        most = max((_whole(p.size) for p in self._moving), default=0)
         if most > self._zero_size:
             self._zero, self._zero_size = self._machine.allocate(most), most
         memory = self._machine.memory
-        for i, (address, blocks) in enumerate(self._ranges):
-            struct.pack_into("<II", memory, self._table + 8 * i, address, blocks)
+        for i, (address, size) in enumerate(self._ranges):
+            struct.pack_into("<II", memory, self._table + 8 * i, address, size)
         self.follow_pointers()
-        struct.pack_into("<II", memory, TRACE, self._table, count)
-        struct.pack_into("<I", memory, TRACE_BEFORE, self._before)
+        first = self._rows + self._size
+        CONTROL.pack_into(
+            memory, self._control, self._table, self._table + 8 * count, first, first, first + TOGETHER * self._size,
+            self._size, 0, 0, needed, 0,
+        )  # fmt: skip
         self._rewind()
+        struct.pack_into("<I", memory, TRACE, self._control)
 
     def _lay_out(self) -> None:
-        """Where every column lies in the blocks: the ranges one after another, then what lies behind pointers."""
+        """Where every column lies in a row: the ranges one after another, then what lies behind pointers."""
         starts, at = [], 0
-        for _, blocks in self._ranges:
+        for _, size in self._ranges:
             starts.append(at)
-            at += blocks * BLOCK
+            at += size
         bases = [address for address, _ in self._ranges]
         self._offsets = []
         for trace in self._traces:
@@ -139,13 +158,12 @@ class Recorder:
             for place in trace.places:
                 if place.hops:
                     offsets.append(at)
-                    at += _blocks(place.size) * BLOCK
+                    at += _whole(place.size)
                 else:
                     k = bisect_right(bases, place.address) - 1
                     offsets.append(starts[k] + place.address - bases[k])
             self._offsets.append(tuple(offsets))
-        self._blocks = at // BLOCK
-        self._row_size = self._blocks * (BLOCK // WORD) * ENTRY.size
+        self._size = at
 
     def follow_pointers(self) -> None:
         """Write where the columns behind pointers live now."""
@@ -155,19 +173,23 @@ class Recorder:
                 address = place.locate(memory)
             except PathError:  # not connected yet: recorded as 0
                 address = self._zero
-            blocks = _blocks(place.size)
-            if address + blocks * BLOCK > len(memory):  # a wild pointer to the end of the memory
+            size = _whole(place.size)
+            if address + size > len(memory):  # a wild pointer to the end of the memory
                 address = self._zero
-            struct.pack_into("<II", memory, self._table + 8 * i, address, blocks)
+            struct.pack_into("<II", memory, self._table + 8 * i, address, size)
 
     def drain(self, scan: int) -> None:
-        """Take the rows out of the buffer; `scan` scans are finished now."""
+        """Take out the rows; `scan` scans are finished now."""
         if not self._traces:
             return
-        rows = self._word(TRACE_ROW)
+        start, following = self._words(ROWS, 2)
+        rows = self._words(SEARCHED, 1)[0] * TOGETHER + (following - start) // self._size
         if rows:
-            entries = self._keeper.keep(self._machine.memory[self._start : self._word(TRACE_NEXT)])
-            chunk = Chunk(self._first, entries, rows)
+            self._machine.search_rows()
+            value, header = self._words(FOUND, 2)
+            memory, end = self._machine.memory, self._buffer + self._buffer_size
+            values = self._keeper.keep(memory[self._buffer : value])
+            chunk = Chunk(self._first, self._keeper.keep(memory[header + HEADER.size : end]), values, rows)
             for trace, offsets in zip(self._traces, self._offsets, strict=True):
                 trace.segments.append(Segment(scan - rows, 0, rows, offsets, chunk))
                 trace.trim()
@@ -176,35 +198,36 @@ class Recorder:
             self._finished += finished
             self._traces = [t for t in self._traces if t not in finished]
             self.arrange()
-        else:
+        elif rows:
             self._rewind()
 
     def _rewind(self) -> None:
-        """Begin the buffer anew; what changes from now on changes from the blocks as they are noted."""
+        """Begin the buffer anew; what changes from now on changes from the row before, as it is noted."""
         memory = self._machine.memory
-        self._first = bytes(memory[self._before : self._before + self._blocks * BLOCK])
-        struct.pack_into("<I", memory, TRACE_NEXT, self._start)
-        struct.pack_into("<I", memory, TRACE_END, self._start + self._buffer_size - self._row_size)
-        struct.pack_into("<I", memory, TRACE_ROW, 0)
+        self._first = bytes(memory[self._rows : self._rows + self._size])
+        header = self._buffer + self._buffer_size - HEADER.size
+        struct.pack_into("<II", memory, self._control + FOUND, self._buffer, header)
+        struct.pack_into("<I", memory, self._control + SEARCHED, 0)
 
 
 def _row_bytes(places: list[Place]) -> int:
     """Bytes of the blocks that a trace needs by itself."""
-    still = sum(blocks for _, blocks in _ranges([p for p in places if not p.hops]))
-    return (still + sum(_blocks(p.size) for p in places if p.hops)) * BLOCK
+    still = sum(size for _, size in _ranges([p for p in places if not p.hops]))
+    return still + sum(_whole(p.size) for p in places if p.hops)
 
 
-def _blocks(size: int) -> int:
-    return -(-size // BLOCK)
+def _whole(size: int) -> int:
+    """Bytes of the blocks that hold so many."""
+    return -(-size // BLOCK) * BLOCK
 
 
 def _ranges(places: list[Place]) -> list[tuple[int, int]]:
-    """(address, number of blocks) of stretches of whole blocks that hold all the places."""
+    """(address, bytes) of stretches of whole blocks that hold all the places."""
     ranges: list[list[int]] = []
     for address, end in sorted((p.address, p.address + p.size) for p in places):
         address = address // BLOCK * BLOCK
         if ranges and address <= ranges[-1][1]:
-            ranges[-1][1] = max(ranges[-1][1], address + _blocks(end - address) * BLOCK)
+            ranges[-1][1] = max(ranges[-1][1], address + _whole(end - address))
         else:
-            ranges.append([address, address + _blocks(end - address) * BLOCK])
-    return [(address, (end - address) // BLOCK) for address, end in ranges]
+            ranges.append([address, address + _whole(end - address)])
+    return [(address, end - address) for address, end in ranges]

@@ -93,6 +93,7 @@ class Machine:
         self._hooks: wasmtime.Table = exports["hooks"]
         self._run: wasmtime.Func = exports["run"]
         self._init: wasmtime.Func = exports["init"]
+        self._search_rows: wasmtime.Func = exports["search_rows"]
         self._sp: wasmtime.Global = exports["sp"]
         self._top = exports["stack_top"].value(self._store)
         self._host_error: BaseException | None = None
@@ -149,6 +150,10 @@ class Machine:
     def run(self, scans: int) -> int:
         """Run up to `scans` scans in one call; the number done. Raises Fault; the image is as the fault left it."""
         return self._call(self._run, scans)
+
+    def search_rows(self) -> None:
+        """Have the recorded rows searched for changes that wait for more of them."""
+        self._search_rows(self._store)
 
     def _call(self, function: wasmtime.Func, *args: int) -> int:
         if self._trapped:  # what trapped has not given its stack back

@@ -28,15 +28,11 @@ FAULT_A = 48  # LINT, values of the check that failed (index, pointer)
 FAULT_LOW = 56  # LINT, lower bound
 FAULT_HIGH = 64  # LINT, upper bound
 FORCES = 72  # UDINT address, UDINT count: table of (UDINT address, UDINT size 1 or 8, 8 bytes value, mask)
-TRACE = 80  # UDINT address, UDINT count: table of (UDINT address, UDINT number of blocks of 32 bytes)
-TRACE_NEXT = 88  # UDINT address of the next entry in the buffer: (UINT row, UINT number of a word, the word) that changed
-TRACE_END = 92  # UDINT address at which the buffer has no room for a whole row: none is written then
+TRACE = 80  # UDINT address of the control words of the recorder (plcruntime/recorder.py); 0 when nothing is recorded
 UNTIL = 96  # DINT, number of conditions that end a run: those in the first slots of the table
 STOP = 100  # DINT, probed builds: 0 run on, 1 stop at flagged sites, 2 at every statement that is not too deep
 DEPTH = 104  # DINT, probed builds: calls of POUs that are under way
 ALONE = 112  # DINT, the number (from 1) of the test that runs; 0 none
-TRACE_BEFORE = 116  # UDINT address of the blocks as they were at the last row
-TRACE_ROW = 120  # UDINT, rows since the host looked
 STOP_DEPTH = 108  # DINT, probed builds: the depth up to which STOP = 2 stops
 TASK_RATIOS = 128  # DINT for each task: it runs when SCAN MOD ratio = 0
 NULL_PAGE = 1024

@@ -110,61 +110,158 @@
         (local.set $left (i32.sub (local.get $left) (i32.const 1)))
         (br $next)))))
 
-;; --- one row of the trace: the words of 8 bytes that are not as they were at the last row, each with row and number;
-;; blocks of 4 words are compared at once
+;; --- traces: every scan copies its row, and 16 rows together are searched for what changed. The control words, whose
+;; address is in 80, are those of plcruntime/recorder.py
 
-(func $trace_row
-  (local $at i32) (local $left i32) (local $to i32) (local $from i32) (local $before i32) (local $key i32) (local $end i32)
-  (local $low v128) (local $high v128)
-  (local.set $to (i32.load (i32.const 88)))
-  (if (i32.gt_u (local.get $to) (i32.load (i32.const 92))) (then (return)))
-  (local.set $at (i32.load (i32.const 80)))
-  (local.set $left (i32.load (i32.const 84)))
-  (local.set $before (i32.load (i32.const 116)))
-  (local.set $key (i32.load (i32.const 120)))
+;; copies a row; 1 when the host has to take out what was found before there is room for 16 more
+(func $trace_row (param $c i32) (result i32)
+  (local $at i32) (local $end i32) (local $to i32) (local $size i32)
+  (local.set $at (i32.load offset=0 (local.get $c)))
+  (local.set $end (i32.load offset=4 (local.get $c)))
+  (local.set $to (i32.load offset=12 (local.get $c)))
   (loop $range
-    (if (local.get $left)
+    (local.set $size (i32.load offset=4 (local.get $at)))
+    (memory.copy (local.get $to) (i32.load (local.get $at)) (local.get $size))
+    (local.set $to (i32.add (local.get $to) (local.get $size)))
+    (local.set $at (i32.add (local.get $at) (i32.const 8)))
+    (br_if $range (i32.ne (local.get $at) (local.get $end))))
+  (i32.store offset=12 (local.get $c) (local.get $to))
+  (if (i32.lt_u (local.get $to) (i32.load offset=16 (local.get $c))) (then (return (i32.const 0))))
+  (call $search (local.get $c))
+  (i32.or
+    (i32.eq (i32.load offset=36 (local.get $c)) (i32.const 0x10000))
+    (i32.lt_u
+      (i32.sub (i32.load offset=28 (local.get $c)) (i32.load offset=24 (local.get $c)))
+      (i32.load offset=32 (local.get $c)))))
+
+;; rows that the host does not want to wait for: the last one stands for those that are missing
+(func $search_rows (export "search_rows") (local $c i32) (local $to i32) (local $size i32)
+  (local.set $c (i32.load (i32.const 80)))
+  (local.set $to (i32.load offset=12 (local.get $c)))
+  (local.set $size (i32.load offset=20 (local.get $c)))
+  (if (i32.eq (local.get $to) (i32.load offset=8 (local.get $c))) (then (return)))
+  (loop $next
+    (if (i32.lt_u (local.get $to) (i32.load offset=16 (local.get $c)))
       (then
-        (local.set $from (i32.load (local.get $at)))
-        (local.set $end (i32.add (local.get $key) (i32.shl (i32.load offset=4 (local.get $at)) (i32.const 18))))
-        (loop $next
-          (local.set $low (v128.load (local.get $from)))
-          (local.set $high (v128.load offset=16 (local.get $from)))
-          (if (v128.any_true (v128.or
-                (v128.xor (local.get $low) (v128.load (local.get $before)))
-                (v128.xor (local.get $high) (v128.load offset=16 (local.get $before)))))
-            (then
-              (if (i64.ne (i64.load offset=0 (local.get $from)) (i64.load offset=0 (local.get $before)))
-                (then
-                  (i32.store (local.get $to) (i32.add (local.get $key) (i32.const 0)))
-                  (i64.store offset=4 (local.get $to) (i64.load offset=0 (local.get $from)))
-                  (local.set $to (i32.add (local.get $to) (i32.const 12)))))
-              (if (i64.ne (i64.load offset=8 (local.get $from)) (i64.load offset=8 (local.get $before)))
-                (then
-                  (i32.store (local.get $to) (i32.add (local.get $key) (i32.const 65536)))
-                  (i64.store offset=4 (local.get $to) (i64.load offset=8 (local.get $from)))
-                  (local.set $to (i32.add (local.get $to) (i32.const 12)))))
-              (if (i64.ne (i64.load offset=16 (local.get $from)) (i64.load offset=16 (local.get $before)))
-                (then
-                  (i32.store (local.get $to) (i32.add (local.get $key) (i32.const 131072)))
-                  (i64.store offset=4 (local.get $to) (i64.load offset=16 (local.get $from)))
-                  (local.set $to (i32.add (local.get $to) (i32.const 12)))))
-              (if (i64.ne (i64.load offset=24 (local.get $from)) (i64.load offset=24 (local.get $before)))
-                (then
-                  (i32.store (local.get $to) (i32.add (local.get $key) (i32.const 196608)))
-                  (i64.store offset=4 (local.get $to) (i64.load offset=24 (local.get $from)))
-                  (local.set $to (i32.add (local.get $to) (i32.const 12)))))
-              (v128.store (local.get $before) (local.get $low))
-              (v128.store offset=16 (local.get $before) (local.get $high))))
-          (local.set $from (i32.add (local.get $from) (i32.const 32)))
-          (local.set $before (i32.add (local.get $before) (i32.const 32)))
-          (local.set $key (i32.add (local.get $key) (i32.const 262144)))
-          (br_if $next (i32.ne (local.get $key) (local.get $end))))
-        (local.set $at (i32.add (local.get $at) (i32.const 8)))
-        (local.set $left (i32.sub (local.get $left) (i32.const 1)))
-        (br $range))))
-  (i32.store (i32.const 88) (local.get $to))
-  (i32.store (i32.const 120) (i32.add (i32.load (i32.const 120)) (i32.const 1))))
+        (memory.copy (local.get $to) (i32.sub (local.get $to) (local.get $size)) (local.get $size))
+        (local.set $to (i32.add (local.get $to) (local.get $size)))
+        (br $next))))
+  (call $search (local.get $c)))
+
+;; Writes down what changed in 16 rows, two words of 8 bytes at a time: their values where they are not as in the row
+;; before, and, downwards from the other end of the buffer, a header: number of the two words, number of the 16 rows,
+;; two bits for each row. Of a word that seems to change all the time every value is written: quicker than to compare.
+(func $search (param $c i32)
+  (local $first i32) (local $end i32) (local $at i32) (local $left i32) (local $changed i32)
+  (local $bits i32) (local $bit i32)
+  (local $size i32) (local $size2 i32) (local $size3 i32) (local $size4 i32)
+  (local $head i32) (local $to i32) (local $key i32) (local $new v128) (local $old v128) (local $seen v128)
+  (local.set $first (i32.load offset=8 (local.get $c)))
+  (local.set $size (i32.load offset=20 (local.get $c)))
+  (local.set $size2 (i32.shl (local.get $size) (i32.const 1)))
+  (local.set $size3 (i32.add (local.get $size) (local.get $size2)))
+  (local.set $size4 (i32.shl (local.get $size) (i32.const 2)))
+  (local.set $end (i32.add (local.get $first) (local.get $size)))
+  (local.set $to (i32.load offset=24 (local.get $c)))
+  (local.set $head (i32.load offset=28 (local.get $c)))
+  (local.set $key (i32.shl (i32.load offset=36 (local.get $c)) (i32.const 16)))
+  (loop $pair
+    (local.set $old (v128.load (i32.sub (local.get $first) (local.get $size))))
+    (local.set $seen (v128.const i64x2 0 0))
+    (local.set $at (local.get $first))
+    (local.set $left (i32.const 4))
+    (loop $rows
+      (local.set $seen (v128.or (local.get $seen)
+        (v128.xor (local.get $old) (v128.load (local.get $at)))))
+      (local.set $seen (v128.or (local.get $seen)
+        (v128.xor (local.get $old) (v128.load (i32.add (local.get $at) (local.get $size))))))
+      (local.set $seen (v128.or (local.get $seen)
+        (v128.xor (local.get $old) (v128.load (i32.add (local.get $at) (local.get $size2))))))
+      (local.set $seen (v128.or (local.get $seen)
+        (v128.xor (local.get $old) (v128.load (i32.add (local.get $at) (local.get $size3))))))
+      (local.set $at (i32.add (local.get $at) (local.get $size4)))
+      (br_if $rows (local.tee $left (i32.sub (local.get $left) (i32.const 1)))))
+    (if (v128.any_true (local.get $seen))
+      (then
+        (local.set $changed (i32.xor (i32.const 3)
+          (i64x2.bitmask (i64x2.eq (local.get $seen) (v128.const i64x2 0 0)))))
+        (i32.store (local.get $head) (local.get $key))
+        (if (i32.and (local.get $changed) (i32.or
+              (i64x2.bitmask (i64x2.eq
+                (v128.load (local.get $first))
+                (v128.load (i32.add (local.get $first) (local.get $size)))))
+              (i32.or
+                (i64x2.bitmask (i64x2.eq
+                  (v128.load (i32.sub (local.get $at) (local.get $size)))
+                  (v128.load (i32.sub (local.get $at) (local.get $size2)))))
+                (i64x2.bitmask (i64x2.eq
+                  (v128.load (i32.add (local.get $first) (i32.shl (local.get $size) (i32.const 3))))
+                  (v128.load (i32.sub (i32.sub (local.get $at) (local.get $size4)) (local.get $size4))))))))
+          (then  ;; compare, from the last row to the one before the first
+            (local.set $at (i32.sub (local.get $at) (local.get $size)))
+            (local.set $new (v128.load (local.get $at)))
+            (local.set $at (i32.sub (local.get $at) (local.get $size)))
+            (local.set $left (i32.const 4))
+            (loop $rows
+              (local.set $old (v128.load (local.get $at)))
+              (local.set $bits (i32.add (i32.shl (local.get $bits) (i32.const 2))
+                (i64x2.bitmask (i64x2.eq (local.get $new) (local.get $old)))))
+              (local.set $new (v128.load (i32.sub (local.get $at) (local.get $size))))
+              (local.set $bits (i32.add (i32.shl (local.get $bits) (i32.const 2))
+                (i64x2.bitmask (i64x2.eq (local.get $new) (local.get $old)))))
+              (local.set $old (v128.load (i32.sub (local.get $at) (local.get $size2))))
+              (local.set $bits (i32.add (i32.shl (local.get $bits) (i32.const 2))
+                (i64x2.bitmask (i64x2.eq (local.get $new) (local.get $old)))))
+              (local.set $new (v128.load (i32.sub (local.get $at) (local.get $size3))))
+              (local.set $bits (i32.add (i32.shl (local.get $bits) (i32.const 2))
+                (i64x2.bitmask (i64x2.eq (local.get $new) (local.get $old)))))
+              (local.set $at (i32.sub (local.get $at) (local.get $size4)))
+              (br_if $rows (local.tee $left (i32.sub (local.get $left) (i32.const 1)))))
+            (local.set $bits (i32.xor (local.get $bits) (i32.const -1)))
+            (i32.store offset=4 (local.get $head) (local.get $bits))
+            (loop $changes
+              (local.set $bit (i32.ctz (local.get $bits)))
+              (i64.store (local.get $to) (i64.load (i32.add
+                (i32.add (local.get $first) (i32.shl (i32.and (local.get $bit) (i32.const 1)) (i32.const 3)))
+                (i32.mul (i32.shr_u (local.get $bit) (i32.const 1)) (local.get $size)))))
+              (local.set $to (i32.add (local.get $to) (i32.const 8)))
+              (br_if $changes (local.tee $bits (i32.and (local.get $bits) (i32.sub (local.get $bits) (i32.const 1)))))))
+          (else  ;; every value
+            (i32.store offset=4 (local.get $head) (i32.mul (local.get $changed) (i32.const 0x55555555)))
+            (local.set $at (i32.add (local.get $first)
+              (i32.shl (i32.eq (local.get $changed) (i32.const 2)) (i32.const 3))))
+            (local.set $left (i32.const 4))
+            (if (i32.eq (local.get $changed) (i32.const 3))
+              (then  ;; both words
+                (loop $rows
+                  (v128.store offset=0 (local.get $to) (v128.load (local.get $at)))
+                  (v128.store offset=16 (local.get $to) (v128.load (i32.add (local.get $at) (local.get $size))))
+                  (v128.store offset=32 (local.get $to) (v128.load (i32.add (local.get $at) (local.get $size2))))
+                  (v128.store offset=48 (local.get $to) (v128.load (i32.add (local.get $at) (local.get $size3))))
+                  (local.set $to (i32.add (local.get $to) (i32.const 64)))
+                  (local.set $at (i32.add (local.get $at) (local.get $size4)))
+                  (br_if $rows (local.tee $left (i32.sub (local.get $left) (i32.const 1))))))
+              (else
+                (loop $rows
+                  (i64.store offset=0 (local.get $to) (i64.load (local.get $at)))
+                  (i64.store offset=8 (local.get $to) (i64.load (i32.add (local.get $at) (local.get $size))))
+                  (i64.store offset=16 (local.get $to) (i64.load (i32.add (local.get $at) (local.get $size2))))
+                  (i64.store offset=24 (local.get $to) (i64.load (i32.add (local.get $at) (local.get $size3))))
+                  (local.set $to (i32.add (local.get $to) (i32.const 32)))
+                  (local.set $at (i32.add (local.get $at) (local.get $size4)))
+                  (br_if $rows (local.tee $left (i32.sub (local.get $left) (i32.const 1)))))))))
+        (local.set $head (i32.sub (local.get $head) (i32.const 8)))))
+    (local.set $key (i32.add (local.get $key) (i32.const 1)))
+    (br_if $pair (i32.ne (local.tee $first (i32.add (local.get $first) (i32.const 16))) (local.get $end))))
+  (local.set $first (i32.load offset=8 (local.get $c)))
+  (memory.copy
+    (i32.sub (local.get $first) (local.get $size))
+    (i32.add (local.get $first) (i32.sub (i32.shl (local.get $size4) (i32.const 2)) (local.get $size)))
+    (local.get $size))
+  (i32.store offset=24 (local.get $c) (local.get $to))
+  (i32.store offset=28 (local.get $c) (local.get $head))
+  (i32.store offset=36 (local.get $c) (i32.add (i32.load offset=36 (local.get $c)) (i32.const 1)))
+  (i32.store offset=12 (local.get $c) (local.get $first)))
 
 ;; --- whether one of the conditions holds that end a run: those in the first slots of the table
 
@@ -185,10 +282,11 @@
         (if (i32.load (i32.const 76)) (then (call $apply_forces)))
         (call $scan)
         (if (i32.load (i32.const 76)) (then (call $apply_forces)))
-        (if (i32.load (i32.const 84)) (then (call $trace_row)))
         (i64.store (i32.const 16) (i64.add (i64.load (i32.const 16)) (i64.load (i32.const 32))))
         (i64.store (i32.const 24) (i64.add (i64.load (i32.const 24)) (i64.const 1)))
         (local.set $done (i64.add (local.get $done) (i64.const 1)))
+        (if (i32.load (i32.const 80))
+          (then (if (call $trace_row (i32.load (i32.const 80))) (then (return (local.get $done))))))
         (if (i32.load (i32.const 96))
           (then (if (call $condition_holds) (then (return (local.get $done))))))
         (br $next))))

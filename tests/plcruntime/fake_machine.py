@@ -16,9 +16,6 @@ from stcore.program import (
     NOW,
     SCAN,
     TRACE,
-    TRACE_BEFORE,
-    TRACE_NEXT,
-    TRACE_ROW,
     Program,
     Site,
     TaskSpec,
@@ -155,7 +152,7 @@ class FakeMachine:
         self.calls.append(scans)
         for done in range(1, scans + 1):
             self._scan()
-            if any(condition(self) for condition in self._until):
+            if self._row() or any(condition(self) for condition in self._until):
                 return done
         return scans
 
@@ -176,7 +173,6 @@ class FakeMachine:
             assert self._stop.wait(30), "nobody interrupted an endless loop"
             raise Fault("F0108", "endless loop", Site("prog.st", 9, 3, "PLC_PRG"), "PLC_PRG", number, "")
         self._forces()
-        self._row()
         struct.pack_into("<q", self._bytes, SCAN, number + 1)
 
     def _forces(self) -> None:
@@ -187,19 +183,46 @@ class FakeMachine:
                 old = self._bytes[address + k]
                 self._bytes[address + k] = old & ~mask[k] | value[k] & mask[k]
 
-    def _row(self) -> None:
-        table, count = struct.unpack_from("<II", self._bytes, TRACE)
-        entries = [struct.unpack_from("<II", self._bytes, table + 8 * i) for i in range(count)]
-        at, end = struct.unpack_from("<II", self._bytes, TRACE_NEXT)
-        before, row = struct.unpack_from("<II", self._bytes, TRACE_BEFORE)
-        if not entries or at > end:
-            return
-        addresses = [address + 8 * k for address, blocks in entries for k in range(4 * blocks)]
-        for word, address in enumerate(addresses):
-            data, old = bytes(self._bytes[address : address + 8]), slice(before + 8 * word, before + 8 * word + 8)
-            if data != self._bytes[old]:
-                self._bytes[old] = data
-                struct.pack_into("<HH8s", self._bytes, at, row, word, data)
-                at += 12
-        struct.pack_into("<I", self._bytes, TRACE_NEXT, at)
-        struct.pack_into("<I", self._bytes, TRACE_ROW, row + 1)
+    def _row(self) -> bool:
+        """Copy a row; True when the buffer is full."""
+        control = struct.unpack_from("<I", self._bytes, TRACE)[0]
+        if not control:
+            return False
+        at, table_end, first, to, end = struct.unpack_from("<5I", self._bytes, control)
+        while at < table_end:
+            address, size = struct.unpack_from("<II", self._bytes, at)
+            self._bytes[to : to + size] = self._bytes[address : address + size]
+            at, to = at + 8, to + size
+        struct.pack_into("<I", self._bytes, control + 12, to)
+        if to < end:
+            return False
+        self._search(control, 16)
+        value, header, needed = struct.unpack_from("<III", self._bytes, control + 24)
+        return header - value < needed
+
+    def search_rows(self) -> None:
+        control = struct.unpack_from("<I", self._bytes, TRACE)[0]
+        first, to, _, size = struct.unpack_from("<4I", self._bytes, control + 8)
+        if to > first:
+            self._search(control, (to - first) // size)
+
+    def _search(self, control: int, rows: int) -> None:
+        first, _, _, size = struct.unpack_from("<4I", self._bytes, control + 8)
+        value, header, _, searched = struct.unpack_from("<4I", self._bytes, control + 24)
+        for pair in range(size // 16):
+            bits = 0
+            for bit in range(2 * rows):
+                at = first + 16 * pair + bit // 2 * size + bit % 2 * 8
+                word = self._bytes[at : at + 8]
+                if word != self._bytes[at - size : at - size + 8]:
+                    bits |= 1 << bit
+                    self._bytes[value : value + 8] = word
+                    value += 8
+            if bits:
+                struct.pack_into("<HHI", self._bytes, header, pair, searched, bits)
+                header -= 8
+        last = first + (rows - 1) * size
+        self._bytes[first - size : first] = self._bytes[last : last + size]
+        struct.pack_into("<I", self._bytes, control + 12, first)
+        struct.pack_into("<II", self._bytes, control + 24, value, header)
+        struct.pack_into("<I", self._bytes, control + 36, searched + 1)
