@@ -160,7 +160,8 @@ class Debugger:
             raise UsageError("breakpoints and statement steps need a program that was loaded from its source")
         ahead, self._ahead = self._ahead, None
         program = ahead.result() if ahead else self._compile()
-        if program.image != plc.program.image or program.image_end != plc.program.image_end:
+        end = plc.program.state_end
+        if program.state_end != end or program.image[:end] != plc.program.image[:end]:
             raise UsageError("the source has changed since it was loaded; leave and load it again")
         self.breakpoints.program = program
         return plc.new_machine(program)

@@ -271,9 +271,9 @@ class Engine:
             self._restore(before)
 
     def use(self, machine) -> None:
-        """Go on with another build of the same program, at a scan's boundary: the images have the same layout."""
+        """Go on with another build of the same program, at a scan's boundary: their variables lie alike."""
         self.recorder.drain(self.scans)
-        old, new, end = self.machine.memory, machine.memory, self.program.image_end
+        old, new, end = self.machine.memory, machine.memory, self.program.state_end
         words = TASK_RATIOS + 4 * len(self._ratios)
         new[NOW:INTERRUPT], new[TASK_RATIOS:words] = old[NOW:INTERRUPT], old[TASK_RATIOS:words]
         new[NULL_PAGE:end] = old[NULL_PAGE:end]

@@ -25,7 +25,7 @@ class Snapshot:
     """The state of a PLC at a scan boundary: all variables, the clock, what is forced. Opaque; for `PLC.restore`."""
 
     program: Program
-    image: bytes  # from NULL_PAGE to image_end
+    image: bytes  # from NULL_PAGE to state_end
     scans: int
     now: int
     forces: dict
@@ -34,7 +34,7 @@ class Snapshot:
 
 def take(plc_program: Program, memory, forces: dict, fault: Exception | None = None) -> Snapshot:
     now, scans = struct.unpack_from("<qq", memory, NOW)
-    image = bytes(memory[NULL_PAGE : plc_program.image_end])
+    image = bytes(memory[NULL_PAGE : plc_program.state_end])
     return Snapshot(plc_program, image, scans, now, forces, fault)
 
 

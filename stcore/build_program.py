@@ -154,6 +154,7 @@ def _emit(
     )  # fmt: skip
     for area, name in (("I", "inputs"), ("Q", "outputs"), ("M", "markers")):
         setattr(program, name, (emitter.areas[area], project.areas[area]))
+    program.constants_at = emitter.constants_at
     program.types = dict(project.named_types)
     program.routines = emitter.routines()
     if probes:

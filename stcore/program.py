@@ -179,12 +179,18 @@ class Program:
     bodies: list[Body] = field(default_factory=list)  # of a probed build
     probed: list[int] = field(default_factory=list)  # sites at which a probed build can stop: statements
     branches: list[Branch] = field(default_factory=list)  # of a probed build
+    constants_at: int = 0  # where strings and templates begin, behind all variables; 0: at image_end
     probes: int = 0  # address of the counts of sites, then of branches (4 bytes each), then the flags; 0: not probed
 
     @property
     def flags(self) -> int:
         """Where the flags of the sites begin in a probed build, a byte each."""
         return self.probes + 4 * (len(self.sites) + len(self.branches))
+
+    @property
+    def state_end(self) -> int:
+        """The end of what a program changes in its image; the same in a probed build, unlike what comes behind it."""
+        return self.constants_at or self.image_end
 
     @property
     def timed(self) -> list[TaskSpec]:
