@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import sys
 
+import compliance
 import library
 import pages
 
@@ -22,6 +23,7 @@ def texts(names: list[str]) -> dict:
     found = {BLOCKS / f"{b.name}.md": pages.page(b) for b in wanted}
     if not names:
         found[BLOCKS / "README.md"] = pages.index(list(blocks.values()))
+        found[DOCS / "compliance.md"] = compliance.page(pages.NOTE)
     return found
 
 
