@@ -77,8 +77,6 @@ def test_transition(bench, before, block):
     was = before.__name__
     assert bench.state == was
     state, inputs = MOTION[block]
-    if block == "combine" and was in ("discrete", "continuous"):
-        bench["calm"] = False  # the slave takes its masters' velocity at once
     if (block, was) == ("stop", "stopping"):
         bench["stop.Execute"] = False  # the same block again
         bench["calm"] = False

@@ -98,6 +98,54 @@ def test_combine_adds_and_subtracts(bench):
     assert bench["ax.fSetPosition"] == pytest.approx(2 * bench["master.fSetPosition"] - bench["other.fSetPosition"])
 
 
+def test_combine_ramps_to_masters_that_move(bench):
+    bench["ax.fSWMaxAcceleration"] = 2000.0
+    bench.start("run", Velocity=300.0)
+    bench.start("run3", 300, Velocity=100.0)
+    bench["jumpV"] = 0.0
+    bench.start("combine", CombineMode=0)
+    scans = bench.until("combine.InSync")
+    assert scans == pytest.approx(200, abs=2) and bench["jumpV"] < 2.001  # 400 u/s with 2000 u/s2
+    bench.scan(10)
+    assert bench["ax.fSetVelocity"] == pytest.approx(400.0)
+    away = bench["ax.fSetPosition"] - bench["master.fSetPosition"] - bench["other.fSetPosition"]
+    bench.start("run", 200, Velocity=-50.0)
+    assert bench["ax.fSetVelocity"] == pytest.approx(50.0)
+    assert bench["ax.fSetPosition"] - bench["master.fSetPosition"] - bench["other.fSetPosition"] == pytest.approx(away)
+
+
+@pytest.mark.parametrize(
+    ("limits", "error"),
+    [
+        # from rest over 100 u in 0.5 s to 400 u/s: at most 400 u/s and 1440 u/s2, which only grows
+        ({"Velocity": 399.0}, 40), ({"Acceleration": 1000.0}, 41), ({"Jerk": 5000.0}, 41), ({"Velocity": -1.0}, 676),
+        ({"Jerk": -1.0}, 676), ({"Velocity": 401.0, "Acceleration": 2400.0, "Deceleration": 1.0}, 0),
+        ({"Velocity": 0.0, "Acceleration": 0.0, "Deceleration": 0.0}, 0),
+    ],
+)  # fmt: skip
+def test_gear_in_pos_keeps_its_limits(bench, limits, error):
+    bench.start("run", 100, Velocity=400.0)
+    start = bench["master.fSetPosition"]
+    bench.start("meet", MasterSyncPosition=start + 200.0, SlaveSyncPosition=100.0, RatioNumerator=1, **limits)
+    assert bench["meet.ErrorID"] == error and bench["meet.Busy"] == (error == 0)
+    assert bench.state == ("synchronized" if error == 0 else "standstill")
+    if error == 0:
+        bench.until("meet.InSync")
+        assert bench["fastest"] <= 401.0
+    else:
+        bench.scan(10)
+        assert bench["ax.fSetPosition"] == 0.0
+
+
+def test_gear_in_pos_fails_when_the_master_gets_too_fast(bench):
+    bench.start("run", 100, Velocity=100.0)
+    bench.start("meet", 50, MasterSyncPosition=200.0, SlaveSyncPosition=100.0, RatioNumerator=1, Velocity=150.0)
+    assert bench["meet.Busy"]
+    bench["calm"] = False
+    bench.start("run", 500, Velocity=400.0)
+    assert bench["meet.ErrorID"] == 40 and bench.state == "errorstop"
+
+
 def test_phase_shifts_the_master(bench):
     bench.start("phase", PhaseShift=10.0, Velocity=100.0)
     assert bench["phase.ErrorID"] == 726
