@@ -225,6 +225,27 @@ def declaration(t, a, b, v):
     return [s.VarDecl(start, end, name, type_, init, address, attributes) for start, end, name, address in v[0]]
 
 
+def edge_declaration(t, a, b, v):
+    """An input that the block sees for one call, when it rises or falls (IEC 61131-3, table 40)."""
+    made = declaration(t, a, b, v[:3])
+    for decl in made:
+        decl.attributes = {**decl.attributes, "edge": t.texts[v[3]].upper()}
+    return made
+
+
+def accesses(t, a, b, v):
+    return s.VarSection(a, b, "VAR_ACCESS", frozenset(), v[1], None, {})
+
+
+def access(t, a, b, v):
+    """name : path : type READ_WRITE; the path is kept as the address of a declaration."""
+    name, parts, rights = v[0], v[2], t.texts[v[5]].upper() if len(v) > 6 else "READ_ONLY"
+    if rights not in ("READ_ONLY", "READ_WRITE"):
+        t.report("E0101", t.starts[v[5]], t.ends[v[5]], found=t.texts[v[5]], hint="READ_ONLY or READ_WRITE stands here")
+    path = "".join(t.tokens.source.text[t.starts[parts[0]] : t.ends[parts[-1]]].split())
+    return s.VarDecl(t.starts[name], t.ends[name], t.texts[name], v[4], None, path, {"rights": rights})
+
+
 def declared_name(t, a, b, v):
     parts = v[0]
     name = t.texts[parts[0]]

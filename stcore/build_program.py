@@ -103,7 +103,7 @@ def _checked(sources: list[Source], libraries: Sequence[Path], strict: bool, *, 
             elif isinstance(unit, s.TypeDecl):
                 project.lookup(unit.name)
             for section in _sections(unit):
-                for decl in section.decls:
+                for decl in section.decls if section.kind == "VAR_GLOBAL" else ():
                     project.lookup(f"{section.name or Path(source.path).stem}.{decl.name}")
     configuration.configure(project)
     project.check_reached()
@@ -166,7 +166,7 @@ def _emit(
 
 def _variables(program: Program, project: CheckedProject, emitter: ModuleEmitter) -> None:
     """Globals under their list's name (and their own, by the path rules), programs under theirs."""
-    program.aliases = project.aliases
+    program.aliases, program.accesses = project.aliases, project.accesses
     several = {pou for _, pou, _ in project.program_instances.values()}
     running = [(p.name, p, p.address) for p in project.pous if p.kind == "PROGRAM" and p.address is not None]
     running = [x for x in running if x[1] not in several]

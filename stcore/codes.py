@@ -76,7 +76,8 @@ CODES: dict[str, Code] = {
     "E0206": Code("{address} is no direct address", "for example %IX0.3, %QB2, %MW4, %MD1"),
     "E0207": Code("{name}: ARRAY[*] is for VAR_IN_OUT only", "give the bounds"),
     "E0208": Code("there is no global variable {name}"),
-    "E0209": Code("VAR_CONFIG of {name}: {why}", "the path leads from a program or global variable: PLC_PRG.block.input"),
+    "E0209": Code("the path of {name}: {why}", "a path leads from a program or global variable: PLC_PRG.block.input"),
+    "E0210": Code("{edge} is for BOOL inputs of function blocks and programs", "use R_TRIG or F_TRIG instead"),
     "W0202": Code("the CONSTANT {name} has no value; it is 0", "write {name} : TYPE := value;"),
     # --- E03: names and expressions
     "E0301": Code("{name} is not declared", "{near}"),

@@ -1,9 +1,10 @@
-"""CONFIGURATION: instances of programs, the tasks that run them, and what VAR_CONFIG and VAR_ACCESS say of their variables."""
+"""CONFIGURATION: instances of programs, the tasks that run them; variables that VAR_CONFIG and VAR_ACCESS name."""
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import partial
 
 from stcore import syntax as s
 from stcore import types as t
@@ -37,6 +38,8 @@ def configure(project: CheckedProject) -> None:
     _connect(project)
     for path, (decl, source) in project.configured.items():
         _mirror(project, path, decl, source)
+    for decl, source in project.access_paths:
+        _access(project, decl, source)
 
 
 def tasks(project: CheckedProject) -> list[TaskSpec]:
@@ -112,36 +115,68 @@ def _mirror(project: CheckedProject, path: str, decl: s.VarDecl, source: Source)
     if isinstance(pou, Pou) and pou.kind == "PROGRAM" and name in pou.variables:
         if key(program) not in project.program_instances:
             return
-    end = decl.start + len(decl.name)
-    declarer = Declarer(project, source, False)
-    try:
-        kind, address = follow(project, decl.name)
-    except _Lost as lost:
-        project.reporter.add("E0209", source, decl.start, end, name=decl.name, why=str(lost))
+    found = _found(project, decl, source, decl.name)
+    if found is None:
         return
-    said = declarer.type(decl.type)
-    if not (same(said, kind) or t.ERROR in (said, kind)):
-        why = f"it is declared as {kind}, not {said}"
-        project.reporter.add("E0209", source, decl.start, end, name=decl.name, why=why)
-        return
+    kind, address = found
     mirror = Mirror(decl, source, Var(decl.name, kind, "global", address))
     if decl.init is not None:
         mirror.init = Init(decl.init, source)
         check_init(project, mirror.init, kind)
     if decl.address:
-        mirror.area = Var(decl.name, kind, "area")
-        place_direct(mirror.area, decl.address, lambda: declarer.error("E0206", decl, address=decl.address))
-        project.direct(mirror.area)
+        mirror.area = _direct(project, decl, source, kind, decl.address)
     project.mirrors.append(mirror)
 
 
-def follow(project: CheckedProject, path: str) -> tuple[t.Type, int]:
-    """Type and address of a variable by its path from a program instance or a global variable; the names of the
-    configuration and of a resource may stand in front. Raises _Lost."""
+def _access(project: CheckedProject, decl: s.VarDecl, source: Source) -> None:
+    """One name of VAR_ACCESS: another path to a variable, for those who look at the program from outside."""
+    path = decl.address
+    if "%" in path:
+        path = path[path.index("%") :]
+        _direct(project, decl, source, Declarer(project, source, False).type(decl.type), path)
+    else:
+        if _found(project, decl, source, path) is None:
+            return
+        steps = _own_steps(project, path)
+        path = steps[0] + "".join(x if x[0] == "[" else f".{x}" for x in steps[1:])
+    project.accesses[key(decl.name)] = (path, decl.attributes["rights"] == "READ_ONLY")
+
+
+def _direct(project: CheckedProject, decl: s.VarDecl, source: Source, kind: t.Type, address: str) -> Var:
+    """A variable at a direct address, with room for it."""
+    var = Var(decl.name, kind, "area")
+    wrong = partial(project.reporter.add, "E0206", source, decl.start, decl.end, address=address)
+    place_direct(var, address.upper(), wrong)
+    project.direct(var)
+    return var
+
+
+def _found(project: CheckedProject, decl: s.VarDecl, source: Source, path: str) -> tuple[t.Type, int] | None:
+    """Type and address of what a path leads to, which must have the type that the declaration says."""
+    said, why = Declarer(project, source, False).type(decl.type), ""
+    try:
+        kind, address = _follow(project, path)
+        if same(said, kind) or t.ERROR in (said, kind):
+            return kind, address
+        why = f"it is declared as {kind}, not {said}"
+    except _Lost as lost:
+        why = str(lost)
+    project.reporter.add("E0209", source, decl.start, decl.start + len(decl.name), name=decl.name, why=why)
+    return None
+
+
+def _own_steps(project: CheckedProject, path: str) -> list[str]:
+    """The steps of a path without the names of the configuration and of a resource in front."""
     steps = _STEP.findall(path)
     outer = {key(x) for tree, _ in project.configurations for x in (tree.name, *tree.resources)}
     while len(steps) > 1 and key(steps[0]) in outer and key(steps[0]) not in project.program_instances:
         steps = steps[1:]
+    return steps
+
+
+def _follow(project: CheckedProject, path: str) -> tuple[t.Type, int]:
+    """Type and address of a variable by its path from a program instance or a global variable. Raises _Lost."""
+    steps = _own_steps(project, path)
     kind, address, rest = _root(project, steps)
     for step in rest:
         if step[0] == "[":

@@ -284,6 +284,7 @@ class Declarer:
             for decl in section.decls:
                 self._declare(decl, section, pou, made)
         order = [made[id(d)] for x in pou.tree.sections for d in x.decls if id(d) in made]
+        order += [v for v in pou.variables.values() if v.section == "EDGE"]
         pou.variables = {key(v.name): v for v in order}
         pou.parameters = [v for v in order if v.section in ("VAR_INPUT", "VAR_OUTPUT", "VAR_IN_OUT")]
 
@@ -319,10 +320,25 @@ class Declarer:
         elif pou.kind == "FUNCTION" or section.kind == "VAR_TEMP":
             var.storage = "local"
         var.indirect = section.kind == "VAR_IN_OUT"
+        if "edge" in decl.attributes:
+            self._edge(var, decl, pou)
         if var.constant and not var.indirect:
             self._constant(var)
         if var.constant and section.kind == "VAR_INPUT":
             var.storage = "local" if pou.kind == "FUNCTION" else "this"
+
+    def _edge(self, var: Var, decl: s.VarDecl, pou: Pou) -> None:
+        """Two hidden variables for an input with an edge: what the body sees, and the input at the last call."""
+        edge = decl.attributes["edge"]
+        if pou.kind == "FUNCTION" or var.section != "VAR_INPUT" or var.type is not t.BOOL:
+            self.error("E0210", decl, edge=edge)
+            return
+        seen, last = (
+            Var(f"{var.name}__{x}", t.BOOL, "this", section="EDGE", owner=pou, decl=decl, source=self.source)
+            for x in (edge, "last")
+        )
+        pou.edges[key(var.name)] = seen
+        pou.variables |= {key(v.name): v for v in (seen, last)}
 
     def _configured(self, decl: s.VarDecl, pou: Pou) -> s.VarDecl:
         """The declaration with the address and the initial value that VAR_CONFIG has for it."""

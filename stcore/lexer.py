@@ -25,7 +25,7 @@ TERMINALS = (
     "PROGRAM", "END_PROGRAM", "FUNCTION", "END_FUNCTION", "FUNCTION_BLOCK", "END_FUNCTION_BLOCK",
     "ACTION", "END_ACTION", "TYPE", "END_TYPE", "STRUCT", "END_STRUCT", "UNION", "END_UNION",
     "CONFIGURATION", "END_CONFIGURATION", "RESOURCE", "END_RESOURCE", "ON", "TASK", "WITH",
-    "VAR", "VAR_GLOBAL", "END_VAR", "QUALIFIER", "AT", "ARRAY", "OF", "POINTER", "REFERENCE", "REF_TO", "TO",
+    "VAR", "VAR_GLOBAL", "VAR_ACCESS", "EDGE", "END_VAR", "QUALIFIER", "AT", "ARRAY", "OF", "POINTER", "REFERENCE", "REF_TO", "TO",
     "EXTENDS", "IMPLEMENTS",
     "IF", "THEN", "ELSIF", "ELSE", "END_IF", "CASE", "END_CASE", "FOR", "BY", "DO", "END_FOR",
     "WHILE", "END_WHILE", "REPEAT", "UNTIL", "END_REPEAT", "EXIT", "CONTINUE", "RETURN", "JMP",
@@ -37,7 +37,7 @@ END_KINDS = frozenset(k for n, k in KIND.items() if n.startswith("END_"))
 
 _RESERVED = """
 PROGRAM END_PROGRAM FUNCTION END_FUNCTION FUNCTION_BLOCK END_FUNCTION_BLOCK END_ACTION TYPE END_TYPE STRUCT
-END_STRUCT UNION END_UNION END_CONFIGURATION END_RESOURCE VAR VAR_GLOBAL END_VAR ARRAY OF POINTER REFERENCE TO
+END_STRUCT UNION END_UNION END_CONFIGURATION END_RESOURCE VAR VAR_GLOBAL END_VAR ARRAY OF POINTER REFERENCE TO VAR_ACCESS
 IF THEN ELSIF ELSE END_IF CASE END_CASE FOR BY DO END_FOR WHILE END_WHILE REPEAT UNTIL END_REPEAT EXIT CONTINUE
 RETURN JMP NOT STRING
 """
@@ -52,7 +52,7 @@ _SAME = {  # several words, one terminal
     "OBJECT": "END_METHOD END_INTERFACE END_PROPERTY",
     # keywords only in their place, see _soft
     "SOFT": "ACTION CONFIGURATION RESOURCE ON TASK WITH AT REF_TO EXTENDS IMPLEMENTS METHOD INTERFACE PROPERTY S R REF "
-    "ABSTRACT FINAL PUBLIC PRIVATE PROTECTED INTERNAL",
+    "ABSTRACT FINAL PUBLIC PRIVATE PROTECTED INTERNAL R_EDGE F_EDGE",
 }
 WORDS = {word: KIND[word] for word in _RESERVED.split()}
 for _terminal, _words in _SAME.items():
@@ -307,6 +307,8 @@ def resolve(tokens: Tokens, reporter: Reporter) -> None:
                     tokens.delete(i, i + 1)
                 else:
                     kinds[i] = NAME
+            elif word in ("R_EDGE", "F_EDGE"):  # clk : BOOL R_EDGE;
+                kinds[i] = KIND["EDGE"] if kinds[i - 1] in (NAME, SOFT) and kinds[i - 2] == KIND["COLON"] else NAME
             else:
                 kinds[i] = KIND[word] if word not in _OBJECTS and _is_keyword(tokens, i, word) else NAME
     for i in reversed([i for i, kind in enumerate(kinds) if kind == KIND["OBJECT"]]):

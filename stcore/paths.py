@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from stcore.program import NULL_PAGE, Program, Variable
 from stcore.types import ELEMENTARY, Array, Block, Elementary, Field, Pointer, Struct, Type, base_of
@@ -145,6 +145,10 @@ def _roots(program: Program, steps: list[Step]) -> Iterator[list[tuple[Place, li
             exact.append((_root(variable), steps[2:]))
     if not exact and first in program.variables:
         exact.append((_root(program.variables[first]), steps[1:]))
+    if not exact and first in program.accesses:
+        path, read_only = program.accesses[first]
+        place = resolve(program, path)
+        exact.append((replace(place, constant=place.constant or read_only), steps[1:]))
     if not exact and first in program.aliases:
         place = resolve(program, program.aliases[first])
         exact.append((place, steps[1:]))

@@ -167,6 +167,7 @@ class Program:
     markers: tuple[int, int] = (0, 0)  # of %M
     variables: dict[str, Variable] = field(default_factory=dict)  # upper-case path -> global or program instance
     aliases: dict[str, str] = field(default_factory=dict)  # upper-case name -> the path that it stands for
+    accesses: dict[str, tuple[str, bool]] = field(default_factory=dict)  # VAR_ACCESS: name -> path, whether read only
     types: dict[str, Type] = field(default_factory=dict)  # upper-case name -> named type (struct, enum, block)
     functions: dict[int, str] = field(default_factory=dict)  # index of a function of the module -> POU name
     sites: list[Site] = field(default_factory=list)

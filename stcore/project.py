@@ -46,6 +46,7 @@ class Project:
         self.pous: list[Pou] = []  # declared, in order
         self.globals: list[Var] = []  # with storage, in order
         self.configured: dict[str, tuple[s.VarDecl, Source]] = {}  # VAR_CONFIG, by upper-case path
+        self.access_paths: list[tuple[s.VarDecl, Source]] = []  # VAR_ACCESS
         self.configurations: list[tuple[s.Configuration, Source]] = []
         self.type_inits: dict[str, Init] = {}
         self.field_inits: dict[t.Field, Init] = {}
@@ -92,6 +93,9 @@ class Project:
     def _add_globals(self, section: s.VarSection, source: Source, library: bool, table: dict[str, Pending]) -> None:
         if section.kind == "VAR_CONFIG":
             self.configured |= {key(d.name): (d, source) for d in section.decls}
+            return
+        if section.kind == "VAR_ACCESS":
+            self.access_paths += [(d, source) for d in section.decls]
             return
         name = section.name or Path(source.path).stem
         qualified = "qualified_only" in section.attributes

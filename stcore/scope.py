@@ -78,6 +78,7 @@ class Pou:
     result: Var | None = None
     bindings: dict[str, Type] = field(default_factory=dict)
     enum_names: dict[str, EnumValue] = field(default_factory=dict)  # of enumerations declared in a variable
+    edges: dict[str, Var] = field(default_factory=dict)  # input with R_EDGE or F_EDGE -> what the body sees of it
     later: dict[str, Callable[[], None]] = field(default_factory=dict)  # declares a constant that stands further down
     actions: dict[str, s.Action] = field(default_factory=dict)
     attributes: dict[str, str] = field(default_factory=dict)

@@ -46,6 +46,7 @@ class CheckedProject(Project):
         self.connections: dict[str, tuple[s.ExprStmt, Source]] = {}  # program or instance -> its call by the task
         self.mirrors: list[Mirror] = []
         self.aliases: dict[str, str] = {}  # other names for programs
+        self.accesses: dict[str, tuple[str, bool]] = {}  # VAR_ACCESS: name -> path, whether it is read only
         self.evaluated: list[Var] = []  # constants whose values are being worked out, one for another
         self.areas = {"I": 0, "Q": 0, "M": 0}  # bytes in use
 

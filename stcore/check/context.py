@@ -41,7 +41,7 @@ class Context:
         if self.pou is not None:
             if upper in self.pou.later:
                 self.pou.later[upper]()
-            var = self.pou.variables.get(upper)
+            var = self.pou.edges.get(upper) or self.pou.variables.get(upper)
             if var is not None:
                 return var
             if self.pou.result is not None and upper == key(self.pou.name):

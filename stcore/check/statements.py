@@ -6,7 +6,7 @@ from stcore import syntax as s
 from stcore import types as t
 from stcore.check.calls import Calls
 from stcore.check.conversions import INTEGER, kind_of
-from stcore.scope import ActionOf, Convert, Pou, key
+from stcore.scope import ActionOf, Convert, Pou, key, place_node
 
 
 class Statements(Calls):
@@ -195,3 +195,16 @@ class Statements(Calls):
         bodies = [pou.tree.body, *(a.body for a in pou.actions.values())]
         for body in bodies:
             self.body(body)
+        pou.tree.body[:0] = [node for name in pou.edges for node in self._edge(pou, name)]
+
+    @staticmethod
+    def _edge(pou: Pou, name: str) -> list[s.Node]:
+        """What an input with R_EDGE or F_EDGE does before the body: seen := input AND NOT last; last := input."""
+        var, seen = pou.variables[name], pou.edges[name]
+        at, falls = var.decl, var.decl.attributes["edge"] == "F_EDGE"
+        last = pou.variables[key(f"{var.name}__last")]
+        now, before, edge = (place_node(at, x) for x in (var, last, seen))
+        negated = s.Unary(at.start, at.end, "NOT", now if falls else before)
+        rises = s.Binary(at.start, at.end, "AND", before if falls else now, negated)
+        negated.type = rises.type = t.BOOL
+        return [s.Assign(at.start, at.end, edge, ":=", rises), s.Assign(at.start, at.end, before, ":=", now)]

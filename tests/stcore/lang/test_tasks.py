@@ -150,3 +150,60 @@ def test_var_config_that_leads_nowhere():
 def test_two_instances_of_one_name_are_an_error():
     found = errors(INSTANCES.replace("PROGRAM second WITH", "PROGRAM first WITH").replace("second.", "first."))
     assert [d.code for d in found] == ["E0201"]
+
+
+def test_an_input_with_an_edge_is_seen_for_one_call():
+    block = """
+    FUNCTION_BLOCK Edges
+    VAR_INPUT up : BOOL R_EDGE; down, other : BOOL F_EDGE; plain : BOOL; END_VAR
+    VAR n, m, k : INT; R_EDGE : INT; END_VAR
+    IF up THEN n := n + 1; RETURN; END_IF
+    IF down THEN count(); END_IF
+    IF other THEN k := k + 1; END_IF
+    ACTION count: IF down AND NOT plain THEN m := m + 1; END_IF END_ACTION
+    END_FUNCTION_BLOCK
+    """
+    made = Run(program("e(up := x, down := x); outside := e.up;", "e : Edges; x, outside : BOOL;", block))
+    rows = []
+    for value in (False, True, True, False, False, True, False):
+        made["x"] = value
+        made.scan()
+        rows.append((made["e.n"], made["e.m"], made["outside"]))
+    assert rows == [
+        (0, 0, False), (1, 0, True), (1, 0, True), (1, 1, False), (1, 1, False), (2, 1, True), (2, 2, False)
+    ]  # fmt: skip
+    assert made["e.k"] == 0
+
+
+def test_an_edge_is_for_inputs_of_blocks():
+    for text in (
+        "FUNCTION F : INT VAR_INPUT a : BOOL R_EDGE; END_VAR END_FUNCTION PROGRAM P END_PROGRAM",
+        "FUNCTION_BLOCK F VAR_INPUT a : INT F_EDGE; END_VAR END_FUNCTION_BLOCK PROGRAM P END_PROGRAM",
+        "PROGRAM P VAR a : BOOL R_EDGE; END_VAR END_PROGRAM",
+    ):
+        assert [d.code for d in errors(text)] == ["E0210"]
+
+
+ACCESS = INSTANCES.replace("  RESOURCE cpu", """  VAR_ACCESS
+    Speed : cpu.second.f[1].n : INT READ_WRITE;
+    Total : first.total : INT;
+    Input : cpu.%IX0.7 : BOOL READ_WRITE;
+    Out : result : INT READ_ONLY;
+  END_VAR
+  RESOURCE cpu""")  # fmt: skip
+
+
+def test_access_paths_are_names_for_variables():
+    run = Run(ACCESS)
+    run["Speed"] = 40
+    run["Input"] = True
+    run.scan()
+    assert [run[p] for p in ("Speed", "second.f[1].n", "Total", "Out", "%IX0.7")] == [40, 40, 12, 13, True]
+    place = run._place
+    assert [place(p).constant for p in ("Speed", "Total", "Input", "Out")] == [False, True, False, True]
+
+
+def test_an_access_path_that_leads_nowhere():
+    found = errors(ACCESS.replace("first.total : INT", "first.totl : INT"))
+    assert [d.code for d in found] == ["E0209"] and "did you mean total" in found[0].message
+    assert [d.code for d in errors(ACCESS.replace("READ_ONLY", "READ_SOME"))] == ["E0101"]
