@@ -6,8 +6,11 @@ defines every name in it; those are found by one quick reading of the text, kept
 
 from __future__ import annotations
 
+import functools
 import json
+import os
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -52,22 +55,43 @@ def names_of(text: str) -> set[str]:
 
 
 def index(folder: Path, *, recursive: bool, library: bool) -> dict[str, Entry]:
-    """Upper-case name -> the file of `folder` that defines it; the file's own name counts as defined."""
-    files = sorted(folder.rglob("*.st") if recursive else folder.glob("*.st"))
-    stamp = json.dumps([[str(f), (i := f.stat()).st_mtime_ns, i.st_size] for f in files])
-    cached = cache.load("index", cache.digest(stamp.encode()))
+    """Upper-case name -> the file of `folder` that defines it; its own name counts as defined. Not to be changed."""
+    files = list(_files(str(folder), recursive))
+    files.sort(key=lambda f: f[0].split(os.sep))
+    return _entries(tuple(files), library)
+
+
+def _files(folder: str, recursive: bool) -> Iterator[tuple[str, int, int]]:
+    """(path, time in ns, bytes) of the ST files; of a folder that is missing or closed to us there are none."""
+    try:
+        entries = list(os.scandir(folder))
+    except (FileNotFoundError, NotADirectoryError, PermissionError):
+        return
+    for entry in entries:
+        if entry.name.endswith(".st") and entry.is_file():
+            info = entry.stat()
+            yield entry.path, info.st_mtime_ns, info.st_size
+        elif recursive and entry.is_dir(follow_symlinks=False):
+            yield from _files(entry.path, True)
+
+
+@functools.lru_cache(maxsize=16)
+def _entries(files: tuple[tuple[str, int, int], ...], library: bool) -> dict[str, Entry]:
+    stamp = cache.digest(json.dumps(files).encode())
+    cached = cache.load("index", stamp)
     if cached is None:
-        table = {str(f): sorted(names_of(read(f).text)) for f in files}
+        table = {path: sorted(names_of(read(Path(path)).text)) for path, *_ in files}
         cached = json.dumps(table).encode()
-        cache.store("index", cache.digest(stamp.encode()), cached)
+        cache.store("index", stamp, cached)
     entries: dict[str, Entry] = {}
     for path, names in json.loads(cached).items():
         file = Path(path)
-        for name in {file.stem.upper(), *names}:
+        own = file.stem.upper()
+        for name in {own, *names}:
             # a file named after the thing wins over one that merely mentions it in a list
             if name not in entries:
                 entries[name] = Entry(file, library)
-            elif name == file.stem.upper():
+            elif name == own:
                 entries[listed(name)] = entries[name]
                 entries[name] = Entry(file, library)
             elif name == entries[name].path.stem.upper():
