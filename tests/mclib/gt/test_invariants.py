@@ -1,5 +1,6 @@
-"""Thousands of random commands, each scan looked at inside the module: speed and acceleration (and jerk) never over their
-limits, the position the integral of the velocity, no jump."""
+"""Thousands of random commands, every scan looked at inside the module.
+
+Speed and acceleration (and jerk) are never over their limits, the position is the integral of the velocity, no jump."""
 
 import pytest
 
@@ -66,8 +67,8 @@ Lower := SEL(dec > 0.0, acc, MIN(acc, dec));
 END_FUNCTION
 PROGRAM PLC_PRG
 VAR
-    seed : DWORD := 1; first : BOOL := TRUE; i, choice : INT; w : ARRAY[1..12] OF Watched; trap : TTrapPrm; jog : TJogPrm;
-    rtn, mode : INT; p, v, a, vel, slow : LREAL; target : DINT;
+    seed : DWORD := 1; first : BOOL := TRUE; i, choice : INT; w : ARRAY[1..12] OF Watched;
+    trap : TTrapPrm; jog : TJogPrm; rtn, mode : INT; p, v, a, vel, slow : LREAL; target : DINT;
     updates, changes, stops, arrivals, modes : DINT;
 END_VAR
 IF first THEN
@@ -97,7 +98,7 @@ FOR i := 1 TO 12 DO
         IF w[i].moving AND NOT w[i].stopped THEN
             arrivals := arrivals + 1;
             IF SIM.Axis[i].mode = 0 THEN
-                Check(p = DINT_TO_LREAL(SIM.Axis[i].target), 'not at the target', i, p, DINT_TO_LREAL(SIM.Axis[i].target));
+                Check(p = SIM.Axis[i].target, 'not at the target', i, p, DINT_TO_LREAL(SIM.Axis[i].target));
             END_IF
         END_IF
         w[i].stopped := FALSE;
@@ -120,12 +121,14 @@ FOR i := 1 TO 12 DO
                 mode := DINT_TO_INT(Count(seed, 2));
                 modes := modes + 1;
                 IF mode = 0 THEN
-                    trap.acc := Random(seed, 0.05, 2.0); trap.dec := SEL(Count(seed, 3) = 0, Random(seed, 0.05, 2.0), 0.0);
+                    trap.acc := Random(seed, 0.05, 2.0);
+                    trap.dec := SEL(Count(seed, 3) = 0, Random(seed, 0.05, 2.0), 0.0);
                     trap.smoothTime := DINT_TO_INT(Count(seed, 51));
                     trap.velStart := SEL(Count(seed, 5) = 0, 0.0, Random(seed, 0.0, 10.0));
                     rtn := GT_PrfTrap(i) + GT_SetTrapPrm(i, ADR(trap));
                 ELSE
-                    jog.acc := Random(seed, 0.05, 2.0); jog.dec := SEL(Count(seed, 3) = 0, Random(seed, 0.05, 2.0), 0.0);
+                    jog.acc := Random(seed, 0.05, 2.0);
+                    jog.dec := SEL(Count(seed, 3) = 0, Random(seed, 0.05, 2.0), 0.0);
                     jog.smooth := SEL(Count(seed, 3) = 0, Random(seed, 0.01, 0.99), 0.0);
                     rtn := GT_PrfJog(i) + GT_SetJogPrm(i, ADR(jog));
                 END_IF
@@ -204,8 +207,8 @@ FOR i := 7 TO 12 DO
     k := i - 6;
     p := SIM.Axis[i].prfPos; v := SIM.Axis[i].prfVel; m := SIM.Axis[k].prfPos; vm := SIM.Axis[k].prfVel;
     d := m - w[i].m;
-    Check(p - w[i].p >= MIN(w[i].low * d, w[i].high * d) - 1E-7 AND p - w[i].p <= MAX(w[i].low * d, w[i].high * d) + 1E-7,
-        'the way of the slave', i, p - w[i].p, d);
+    Check(p - w[i].p >= MIN(w[i].low * d, w[i].high * d) - 1E-7
+        AND p - w[i].p <= MAX(w[i].low * d, w[i].high * d) + 1E-7, 'the way of the slave', i, p - w[i].p, d);
     Check(v >= MIN(w[i].low * vm, w[i].high * vm) - 1E-7 AND v <= MAX(w[i].low * vm, w[i].high * vm) + 1E-7,
         'the velocity of the slave', i, v, vm);
     bound := MAX(ABS(w[i].low), ABS(w[i].high)) * SIM.Axis[k].jog.acc + w[i].bend * MAX(vm * vm, w[i].vm * w[i].vm);
@@ -262,7 +265,8 @@ FOR i := 1 TO 12 DO
         rtn := rtn + GT_AxisOn(i) + GT_PrfPt(i, PT_MODE_DYNAMIC);
     ELSE
         p := SIM.Axis[i].prfPos; v := SIM.Axis[i].prfVel;
-        Check(ABS(p - s[i].p - (v + s[i].v) / 2) < 1E-6, 'the position is no integral', i, p - s[i].p, (v + s[i].v) / 2);
+        Check(ABS(p - s[i].p - (v + s[i].v) / 2) < 1E-6, 'the position is no integral', i, p - s[i].p,
+            (v + s[i].v) / 2);
         Check(ABS(v - s[i].v) <= 40.0 + 1E-6, 'the velocity jumps', i, v, s[i].v);
         Check(ABS(v) <= 20.0 + 1E-6, 'speed', i, v, 20.0);
         s[i].p := p; s[i].v := v;
@@ -312,7 +316,7 @@ END_STRUCT END_TYPE
 FUNCTION Fill : INT (* a curve of NORMAL segments from ratio 'from' to 0.6, each 60 pulses long or more *)
 VAR_IN_OUT seed : DWORD; END_VAR
 VAR_INPUT axis, fifo : INT; from : LREAL; END_VAR
-VAR n, k : DINT; x, step : DINT; y, r, goal : LREAL; END_VAR
+VAR n, k : DINT; x, step : DINT; y, r, goal : LREAL; kind : INT; END_VAR
 n := Count(seed, 14) + 2;
 r := from;
 FOR k := 1 TO n DO
@@ -321,7 +325,8 @@ FOR k := 1 TO n DO
     x := x + step;
     y := y + (r + goal) / 2 * step;
     r := goal;
-    Fill := Fill + GT_FollowData(axis, x, y, SEL(k = 1 AND from > 0.0, FOLLOW_SEGMENT_NORMAL, FOLLOW_SEGMENT_CONTINUE), fifo);
+    kind := SEL(k = 1 AND from > 0.0, FOLLOW_SEGMENT_NORMAL, FOLLOW_SEGMENT_CONTINUE);
+    Fill := Fill + GT_FollowData(axis, x, y, kind, fifo);
 END_FOR
 END_FUNCTION
 PROGRAM PLC_PRG

@@ -1,0 +1,95 @@
+"""Every GT_ function with wrong arguments: the code is 7, the run goes on, nothing has moved, and the reason is noted.
+
+Axis 0 and 13, a NULL pointer, a count beyond the last axis, a mask with bits of no axis."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import mclib
+from plcruntime import PLC, catalogue
+
+ENTRIES = [
+    e
+    for e in catalogue.entries([mclib.LIBRARY])
+    if e.kind == "function" and Path(e.file).parent.name in ("gt", "ecat", "motion") and e.signature.count("(") == 1
+]
+NUMBERED = ("axis", "profile", "encoder", "control", "dac", "step", "source")
+MODES = {2: "Follow", 3: "Gear", 4: "Pt", 5: "Jog"}  # axis -> mode that it is in
+VALUES = {"fifo": "0", "mode": "1", "thread": "1", "page": "1", "mdl": "0", "chn": "1", "alpha": "1", "size": "1"}
+
+
+def parameters(entry) -> list[tuple[str, str]]:
+    inside = re.fullmatch(r"\w+(?:<.*>)?\((.*)\): INT", entry.signature)[1]
+    return [tuple(p.split(" := ")[0].split(": ", 1)) for p in inside.split("; ") if p]
+
+
+def argument(name: str, kind: str) -> str:
+    return "ADR(room)" if kind.startswith("POINTER") or kind == "T" else VALUES.get(name, "1")
+
+
+def call(entry, **changed) -> str:
+    mode = next((str(n) for n, word in MODES.items() if word in entry.name), "1")  # an axis that is in this mode
+    changed.setdefault("profile", mode)
+    return f"{entry.name}({', '.join(changed.get(n, argument(n, k)) for n, k in parameters(entry))})"
+
+
+def cases() -> dict[str, str]:
+    """What is wrong -> the call."""
+    found = {}
+    for e in ENTRIES:
+        names = [n for n, _ in parameters(e)]
+        for name in names:
+            if name in NUMBERED:
+                for number in ("0", "13", "-1"):
+                    found[f"{e.name} {name} {number}"] = call(e, **{name: number})
+            if name == "thread":
+                for number in ("-1", "32"):
+                    found[f"{e.name} {name} {number}"] = call(e, **{name: number})
+            if name == "mask":
+                found[f"{e.name} mask beyond"] = call(e, mask="16#4000")
+                found[f"{e.name} mask negative"] = call(e, mask="-1")
+        if "count" in names and names[0] in NUMBERED:
+            for first, count in (("1", "0"), ("1", "-1"), ("1", "13"), ("12", "2"), ("2", "32767")):
+                found[f"{e.name} {first} count {count}"] = call(e, **{names[0]: first, "count": count})
+        for name, kind in parameters(e):
+            if (kind.startswith("POINTER") or kind == "T") and name not in ("pClock", "pLoop", "pFunName"):
+                found[f"{e.name} {name} NULL"] = call(e, **{name: "nothing"})
+    return found
+
+
+CASES = cases()
+PROGRAM = f"""
+PROGRAM PLC_PRG
+VAR job, rtn : INT; room : ARRAY[0..99] OF LREAL; nothing : POINTER TO ARRAY[0..99] OF LREAL; END_VAR
+CASE job OF
+{"".join(f"    {n}: rtn := {c};" + chr(10) for n, c in enumerate(CASES.values(), 1))}END_CASE
+job := 0;
+END_PROGRAM
+"""
+EXCEPT = {
+    # GT_Stop knows coordinate systems too, whose bits are 12 and 13; other masks are of axes alone
+    "GT_LinkCaptureOffset source 0": 0,  # 0 links nothing
+}
+
+
+@pytest.fixture(scope="module")
+def plc() -> PLC:
+    plc = PLC.load(PROGRAM, interval="1ms")
+    plc.execute("GT_PrfFollow(2, 0); GT_PrfGear(3, 0); GT_PrfPt(4); GT_PrfJog(5);")
+    return plc
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_parameter_errors(plc, case):
+    refused = plc["SIM.refusals"]
+    plc["PLC_PRG.job"] = list(CASES).index(case) + 1
+    plc.scan()
+    expected = EXCEPT.get(case, 7)
+    assert plc["PLC_PRG.rtn"] == expected, plc[f"SIM.refused[{(plc['SIM.refusals'] - 1) % 32}]"]
+    if expected:
+        last = plc[f"SIM.refused[{refused % 32}]"]
+        assert plc["SIM.refusals"] == refused + 1
+        assert last["command"] == case.split(" ")[0][:31] and last["code"] == 7 and last["why"]
+    assert plc.fault is None and not any(axis.moving for axis in plc.axes)
