@@ -175,4 +175,15 @@ class Search:
             if token and self.tokens.kinds[token - 1] in END_KINDS | {kind}:
                 return LOOK
             return 0.0 if starts_line else 0.7
+        if kind == KIND["COMMA"] and self._lost_its_assign(token):
+            return 0.2
         return 0.6 if kind == KIND["BINOP"] and starts_line else 0.0
+
+    def _lost_its_assign(self, token: int) -> bool:
+        """f(Axis drive, Enable := TRUE): a name begins an argument and the others there are named."""
+        kinds, begins = self.tokens.kinds, (KIND["LPAR"], KIND["COMMA"])
+        if token < 2 or kinds[token - 1] != NAME or kinds[token - 2] not in begins:
+            return False
+        near = range(max(token - 12, 2), min(token + 12, len(kinds)))
+        named = [i for i in near if kinds[i] == KIND["ASSIGN"] and kinds[i - 1] == NAME and kinds[i - 2] in begins]
+        return bool(named)
