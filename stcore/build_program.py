@@ -76,6 +76,7 @@ def _build(
     for pou in user_pous:
         if pou.kind == "PROGRAM":
             project.instance(pou)  # its variables can be looked at, even if no task runs it
+    project.spread_writes()
     program = _emit(project, tasks, reporter, sources, user_pous, probes)
     program.libraries = [str(x) for x in libraries]
     named = {x.path for x in sources}

@@ -33,6 +33,11 @@ def bare_list(t, a, b, v):
     return s.ArrayInit(a, b, _items(v[0]))
 
 
+def bare_repetition(t, a, b, v):
+    """`4(7)` with nothing around it."""
+    return s.ArrayInit(a, b, v[0])
+
+
 def array_init(t, a, b, v):
     return s.ArrayInit(a, b, _items(v[1]) if len(v) > 2 else [])
 

@@ -329,7 +329,7 @@ def _is_keyword(tokens: Tokens, i: int, word: str) -> bool:
     if word in ("EXTENDS", "IMPLEMENTS"):
         return named and before in (NAME, SOFT)
     if word == "ON":
-        return named and before == NAME and i >= 2 and texts[i - 2].upper() == "RESOURCE"
+        return named and before in (NAME, SOFT) and i >= 2 and texts[i - 2].upper() == "RESOURCE"
     if word == "WITH":
         return named and before in (NAME, SOFT) and kinds[i - 2] == KIND["PROGRAM"]
     if word == "TASK":

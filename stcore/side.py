@@ -106,6 +106,7 @@ def _compiled(names: Names, source: Source, tree, scene: Scene | None, offset: i
     if reporter.failed:
         raise CompileError(reporter.sorted())
     project.check_addresses()
+    project.spread_writes()
     emitter = _Emitter(project)
     function = FunctionEmitter(emitter, pou, source, None)
     return _module(emitter, function, tree, scene, at, boolean)

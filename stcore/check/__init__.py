@@ -81,6 +81,19 @@ class CheckedProject(Project):
         checker.initial_values()
         checker.check_pou()
 
+    def spread_writes(self) -> None:
+        """A POU writes outside itself when one that it uses does; a library function may be checked after its callers."""
+        users: dict[Pou, list[Pou]] = {}
+        for pou in [*self.reached, *self.instances.values()]:
+            for used in pou.uses:
+                users.setdefault(used, []).append(pou)
+        todo = [p for p in users if p.writes_outside or p.external]
+        while todo:
+            for user in users.get(todo.pop(), ()):
+                if not user.writes_outside:
+                    user.writes_outside = True
+                    todo.append(user)
+
     def reach_type(self, kind: t.Type) -> None:
         """An instance may be called through a pointer: its code must be there."""
         while isinstance(kind, t.Array):

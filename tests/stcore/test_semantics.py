@@ -101,6 +101,13 @@ def test_for_end_and_step_are_evaluated_once():
     ) == (3,)
 
 
+def test_minus_binds_tighter_than_power_which_groups_from_the_left():
+    assert values(
+        "a := -x ** 2; b := 0 - x ** 2; c := 2 ** 3 ** 2; d := 2 ** -1; e := -2 ** 2; f := NOT k ** 2 = 0;",
+        "a, b, c, d, e : LREAL; x : LREAL := 3; k : DINT := 0; f : BOOL;", "a", "b", "c", "d", "e", "f",
+    ) == (9.0, -9.0, 64.0, 0.5, 4.0, False)  # fmt: skip
+
+
 def test_mux_and_sel_take_the_nearest_legal_input():
     assert values(
         "a := MUX(i, 10, 20, 30); i := -7; b := MUX(i, 10, 20, 30);", "a, b : INT; i : INT := 9;", "a", "b"

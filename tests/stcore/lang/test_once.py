@@ -1,6 +1,12 @@
 """What is evaluated, and how often: places with calls in them, initial values of instances that calls make."""
 
-from running import run
+from running import program, run
+
+from stcore import paths, values
+from stcore.build_program import build
+from stcore.compiler import LIBRARY
+from stcore.machine import Machine
+from stcore.source import Source
 
 NEXT = "FUNCTION Next : INT VAR_IN_OUT n : INT; END_VAR n := n + 1; Next := n; END_FUNCTION\n"
 
@@ -63,3 +69,20 @@ def test_initial_values_of_instances_in_functions_are_worked_out_at_each_call():
     assert made["x"] == 201 + (201 + 6) + 8 + 201 + 201
     assert made["y"] == 221 + (221 + 6) + 8 + 221 + 221
     assert (made["z"], made["z2"]) == (221, 221)
+
+
+def test_a_string_input_stays_what_it_was_whatever_the_library_writes(tmp_path):
+    inputs = "VAR_INPUT p : POINTER TO BYTE; END_VAR"
+    (tmp_path / "Put.st").write_text(f"FUNCTION Put : BOOL {inputs} p^ := 88; END_FUNCTION")
+    (tmp_path / "PutPut.st").write_text(f"FUNCTION PutPut : BOOL {inputs} PutPut := Put(p); END_FUNCTION")
+    (tmp_path / "PutAll.st").write_text(f"FUNCTION PutAll : BOOL {inputs} PutAll := PutPut(p); END_FUNCTION")
+    text = program(
+        "y := Keep(x, ADR(x));",
+        "x : STRING := 'abc'; y : STRING;",
+        "FUNCTION Keep : STRING VAR_INPUT s : STRING; p : POINTER TO BYTE; END_VAR PutAll(p); Keep := s; END_FUNCTION",
+    )
+    made, _ = build([Source(text, "case.st")], None, [LIBRARY, tmp_path], False)
+    machine = Machine(made)
+    machine.run(1)
+    x, y = (values.read(machine.memory, paths.resolve(made, n)) for n in ("x", "y"))
+    assert (x, y) == ("Xbc", "abc")

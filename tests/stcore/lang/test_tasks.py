@@ -193,6 +193,12 @@ ACCESS = INSTANCES.replace("  RESOURCE cpu", """  VAR_ACCESS
   RESOURCE cpu""")  # fmt: skip
 
 
+def test_a_resource_runs_on_whatever_is_named():
+    text = "CONFIGURATION c RESOURCE r ON Vendor.Cpu_3 TASK t (PRIORITY := 1); PROGRAM p WITH t : A; END_RESOURCE"
+    run = Run(f"PROGRAM A VAR n : INT; END_VAR n := n + 1; END_PROGRAM {text} END_CONFIGURATION").scan()
+    assert run["A.n"] == run["p.n"] == 1
+
+
 def test_access_paths_are_names_for_variables():
     run = Run(ACCESS)
     run["Speed"] = 40
