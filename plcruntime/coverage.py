@@ -1,7 +1,8 @@
-"""Coverage of ST: how often each statement ran, and which ways each IF and CASE took, counted by a probed build."""
+"""Coverage of ST: how often each statement ran, and which ways IF, CASE and loops took, counted by a probed build."""
 
 from __future__ import annotations
 
+import os
 import struct
 from collections import defaultdict
 from collections.abc import Iterator
@@ -9,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
+from plcruntime.errors import UsageError
 from stcore.program import Program
 
 Place = tuple[int, int]  # line, column
@@ -16,7 +18,7 @@ Place = tuple[int, int]  # line, column
 
 @dataclass(slots=True)
 class Way:
-    """A way of an IF or CASE: its kind, label and line, and how often it was taken."""
+    """A way of an IF, CASE or LOOP: its kind, label and line, and how often it was taken."""
 
     kind: str
     label: str
@@ -26,7 +28,7 @@ class Way:
 
 @dataclass(slots=True)
 class FileCoverage:
-    """statements: place -> times run. decisions: place of the IF or CASE -> its ways by number."""
+    """statements: place -> times run. decisions: place of the IF, CASE or loop -> its ways by number."""
 
     statements: dict[Place, int] = field(default_factory=dict)
     decisions: dict[Place, dict[int, Way]] = field(default_factory=lambda: defaultdict(dict))
@@ -77,6 +79,26 @@ class Coverage:
             way = ways.setdefault(number, Way(branch.kind, branch.label, branch.line))
             way.count += count
 
+    def data(self) -> dict:
+        """The counts as lists and dictionaries of plain values, for `merge` in another process."""
+        return {
+            path: {
+                "statements": [[*place, count] for place, count in file.statements.items()],
+                "ways": [[*place, number, w.kind, w.label, w.line, w.count] for place, number, w in file.ways()],
+            }
+            for path, file in self.files.items()
+        }
+
+    def merge(self, data: dict) -> None:
+        """Add the counts that `data` of another one gave."""
+        for path, counted in data.items():
+            file = self.files[path]
+            for line, column, count in counted["statements"]:
+                file.statements[line, column] = file.statements.get((line, column), 0) + count
+            for line, column, number, kind, label, of_way, count in counted["ways"]:
+                way = file.decisions[line, column].setdefault(number, Way(kind, label, of_way))
+                way.count += count
+
     @staticmethod
     def _left_out(program: Program) -> set[str]:
         """Names of POUs of the library, and of those that are tests."""
@@ -84,16 +106,23 @@ class Coverage:
         return names | {r.name for r in program.routines.values() if "test" in r.attributes}
 
     def table(self) -> list[tuple[str, ...]]:
-        """A row a file for the terminal: statements, branches, states of CASE, lines that never ran."""
+        """A row a file for the terminal, under HEADS."""
         rows = []
         for path, file in sorted(self.files.items()):
             ran = [c > 0 for c in file.statements.values()]
-            cells = [path, *_part(ran)]
-            for kind in ("IF", "CASE"):
+            cells = [_short(path), *_part(ran)]
+            for kind in ("IF", "CASE", "LOOP"):
                 cells.append(_part([w.count > 0 for _, _, w in file.ways(kind)])[1])
             cells.append(_ranges([line for line, count in file.lines().items() if not count]))
             rows.append(tuple(cells))
         return rows
+
+    def write(self, lcov: str | None, cobertura: str | None) -> None:
+        """Write the files that are wanted. Raises OSError."""
+        if lcov:
+            self.write_lcov(Path(lcov))
+        if cobertura:
+            self.write_cobertura(Path(cobertura))
 
     def write_lcov(self, path: Path) -> None:
         """Raises OSError."""
@@ -148,7 +177,22 @@ class Coverage:
                 entry.set("condition-coverage", f"{percent}% ({taken}/{len(by_line[line])})")
 
 
-HEADS = ("file", "statements", "covered", "branches", "CASE states", "lines that never ran")
+def check_output(option: str, file: str) -> None:
+    """Before anything runs: can the file be written? Raises UsageError."""
+    path = Path(file)
+    if not path.parent.is_dir():
+        raise UsageError(f"{option} {path}: there is no folder {path.parent}")
+    if path.is_dir() or not os.access(path if path.exists() else path.parent, os.W_OK):
+        raise UsageError(f"{option} {path}: can't be written")
+
+
+HEADS = ("file", "statements", "covered", "branches", "CASE states", "loops", "lines that never ran")
+
+
+def _short(path: str) -> str:
+    """Without the folder where we are."""
+    inside = Path(path).is_relative_to(Path.cwd())
+    return str(Path(path).relative_to(Path.cwd())) if inside else path
 
 
 def _part(ran: list[bool]) -> tuple[str, str]:

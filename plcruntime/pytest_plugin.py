@@ -1,4 +1,4 @@
-"""The pytest plugin: the fixture ``plc``, tests in ST files, golden traces. Loaded by pytest itself.
+"""The pytest plugin: the fixture ``plc``, tests in ST files, golden traces, coverage. Loaded by pytest itself.
 
     def test_counts(plc):
         p = plc("prog.st")                  # relative to the test's folder; compiled once a session
@@ -29,6 +29,62 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group = parser.getgroup("scancycle", "tests of PLC programs")
     group.addoption("--plc-trace-on-fail", metavar="FOLDER", help="write the traces of failing tests there, as .csv")
     group.addoption("--plc-record", action="store_true", help="write golden traces instead of comparing with them")
+    group.addoption("--plc-cov", action="store_true", help="show which statements and branches of the ST files ran")
+    group.addoption("--plc-lcov", metavar="FILE", help="write that as LCOV")
+    group.addoption("--plc-cobertura", metavar="FILE", help="write that as Cobertura XML")
+
+
+# -------------------------------------------------------------------------------------------------- coverage
+
+_COVERAGE = pytest.StashKey["Coverage | None"]()
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    files = {option: config.getoption(option) for option in ("--plc-lcov", "--plc-cobertura")}
+    config.stash[_COVERAGE] = None
+    if not config.getoption("--plc-cov") and not any(files.values()):
+        return
+    from plcruntime.coverage import Coverage, check_output
+    from plcruntime.errors import UsageError
+
+    for option, file in files.items():
+        if file:
+            try:
+                check_output(option, file)
+            except UsageError as error:
+                raise pytest.UsageError(str(error)) from None
+    config.stash[_COVERAGE] = Coverage()
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node, error) -> None:
+    """A process of pytest-xdist has ended."""
+    coverage = node.config.stash[_COVERAGE]
+    if coverage is not None:
+        coverage.merge(getattr(node, "workeroutput", {}).get("plc_coverage", {}))
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    config = session.config
+    coverage = config.stash[_COVERAGE]
+    if coverage is not None and hasattr(config, "workeroutput"):
+        config.workeroutput["plc_coverage"] = coverage.data()
+
+
+def pytest_terminal_summary(terminalreporter, config: pytest.Config) -> None:
+    coverage = config.stash[_COVERAGE]
+    if coverage is None:
+        return
+    from plcruntime.cli import output
+    from plcruntime.coverage import HEADS
+
+    terminalreporter.section("coverage of ST")
+    terminalreporter.flush()
+    output.print_table(HEADS, coverage.table())
+    try:
+        coverage.write(config.getoption("--plc-lcov"), config.getoption("--plc-cobertura"))
+    except OSError as error:
+        terminalreporter.write_line(f"the coverage can't be written: {error.strerror}", red=True)
 
 
 # ----------------------------------------------------------------------------------------------- tests in ST
@@ -48,7 +104,7 @@ class StFile(pytest.File):
         from stcore.diagnostics import CompileError
 
         try:
-            tests = TestFile(self.path)
+            tests = TestFile(self.path, probes=self.config.stash[_COVERAGE] is not None)
         except CompileError as error:
             raise self.CollectError(str(error)) from None
         for test in tests.tests:
@@ -72,6 +128,9 @@ class StItem(pytest.Item):
 
     def runtest(self) -> None:
         result = self.tests.run(self.test)
+        coverage = self.config.stash[_COVERAGE]
+        if coverage is not None:
+            coverage.add(self.tests.program, self.tests.plc._machine.memory)
         if not result.passed:
             raise StFailed(result)
 
@@ -92,8 +151,9 @@ class StItem(pytest.Item):
 class _Programs:
     """Programs compiled in this session: what was named -> (stamps of its files, program, project)."""
 
-    def __init__(self) -> None:
+    def __init__(self, probes: bool) -> None:
         self._kept: dict = {}
+        self._probes = probes
 
     def load(self, source, config, strict: bool):
         from plcruntime.plc import build
@@ -101,7 +161,7 @@ class _Programs:
         key = (str(source), str(config), strict)
         kept = self._kept.get(key)
         if kept is None or kept[0] != _stamps(kept[1].files):
-            program, project = build(source, config, strict=strict)
+            program, project = build(source, config, strict=strict, probes=self._probes)
             kept = self._kept[key] = (_stamps(program.files), program, project)
         return kept[1:]
 
@@ -182,16 +242,20 @@ _WATCHED: type | None = None
 
 
 @pytest.fixture(scope="session")
-def _plc_programs() -> _Programs:
-    return _Programs()
+def _plc_programs(request: pytest.FixtureRequest) -> _Programs:
+    return _Programs(probes=request.config.stash[_COVERAGE] is not None)
 
 
 @pytest.fixture
-def plc(request: pytest.FixtureRequest, _plc_programs: _Programs) -> Loader:
+def plc(request: pytest.FixtureRequest, _plc_programs: _Programs) -> Iterator[Loader]:
     """``plc("prog.st")`` loads a fresh PLC; ``plc.golden(trace, "file.csv")`` compares with a recorded trace."""
     loader = Loader(_plc_programs, request.path.parent, request.config.getoption("plc_record"))
     request.node._plc_loader = loader
-    return loader
+    yield loader
+    coverage = request.config.stash[_COVERAGE]
+    if coverage is not None:
+        for _, loaded in loader.loaded:
+            coverage.add(loaded.program, loaded._machine.memory)
 
 
 @pytest.hookimpl(hookwrapper=True)

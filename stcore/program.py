@@ -115,8 +115,10 @@ class Routine:
 
 @dataclass(slots=True)
 class Branch:
-    """A way that an IF or a CASE can take, counted in a probed build. site: of the statement; label: the condition, the
-    labels of a CASE, or ELSE (written or not); line: where the label stands."""
+    """A way that an IF, a CASE or a loop can take, counted in a probed build.
+
+    site: of the statement; kind: IF, CASE or LOOP; label: the condition, the labels of a CASE, ELSE (written or not), or
+    what a loop did; line: where the label stands."""
 
     site: int
     kind: str

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import re
 import sys
 import time
@@ -23,7 +22,9 @@ def execute(arguments: argparse.Namespace) -> int:
     chosen = Selection(arguments.k)
     for option in ("junit", "lcov", "cobertura"):
         if getattr(arguments, option):
-            _check_output(f"--{option}", Path(getattr(arguments, option)))
+            from plcruntime.coverage import check_output
+
+            check_output(f"--{option}", getattr(arguments, option))
     if not arguments.watch:
         return _once(arguments, chosen)
     stamps: dict[Path, int] = {}
@@ -41,13 +42,6 @@ def _stamps(paths: list[str]) -> dict[Path, int]:
     folders = {p.parent for p in st_tests.find(paths)} | {Path(p) for p in paths or ["."] if Path(p).is_dir()}
     files = {f for folder in folders for f in folder.rglob("*.st")}
     return {f: f.stat().st_mtime_ns for f in sorted(files) if f.exists()}
-
-
-def _check_output(option: str, path: Path) -> None:
-    if not path.parent.is_dir():
-        raise UsageError(f"{option} {path}: there is no folder {path.parent}")
-    if path.is_dir() or not os.access(path if path.exists() else path.parent, os.W_OK):
-        raise UsageError(f"{option} {path}: can't be written")
 
 
 class Selection:
@@ -91,12 +85,15 @@ def _once(arguments: argparse.Namespace, chosen: Selection) -> int:
     counts += [f"{len(broken)} files with errors"] if broken else []
     counts += [f"{len(results) - failed} passed"]
     print(f"\n{', '.join(counts)} in {time.perf_counter() - began:.2f} s", flush=True)
-    if coverage is not None:
-        _show_coverage(coverage, arguments)
-    if arguments.junit:
-        from plcruntime import junit
+    try:
+        if coverage is not None:
+            _show_coverage(coverage, arguments)
+        if arguments.junit:
+            from plcruntime import junit
 
-        junit.write(Path(arguments.junit), results, broken)
+            junit.write(Path(arguments.junit), results, broken)
+    except OSError as error:  # no room, for one; whether there is a place for them was looked at before
+        raise UsageError(f"the results can't be written: {error.strerror}") from None
     if not results and not broken:
         print("no test found: a test is a PROGRAM or FUNCTION with {attribute 'test'}, by default in test_*.st files")
         return USAGE
@@ -108,10 +105,7 @@ def _show_coverage(coverage, arguments: argparse.Namespace) -> None:
     from plcruntime.coverage import HEADS
 
     output.print_table(HEADS, coverage.table())
-    if arguments.lcov:
-        coverage.write_lcov(Path(arguments.lcov))
-    if arguments.cobertura:
-        coverage.write_cobertura(Path(arguments.cobertura))
+    coverage.write(arguments.lcov, arguments.cobertura)
 
 
 def _file(path: Path, chosen: Selection, arguments, results: list[Result], broken: list, coverage) -> bool:

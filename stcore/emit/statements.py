@@ -14,6 +14,9 @@ from stcore.scope import Var, key
 
 # A loop that is known to end after so many rounds need not ask whether the host wants it to stop.
 QUICK = 100_000
+# The ways of a loop that coverage counts: of FOR and WHILE once each time the loop is come to, of REPEAT each UNTIL
+ENTERED, NOT_ENTERED = "body", "no round"
+AGAIN, DONE = "another round", "done"
 
 
 class Statements(Calls):
@@ -207,12 +210,23 @@ class Statements(Calls):
 
     def while_(self, node: s.While) -> None:
         end, top, next_ = self.label("end"), self.label("loop"), self.label("next")
+        entered = self.keep("i32") if self.probed else ""
+        if entered:
+            self.line(f"(local.set {entered} (i32.const 0))")
         self.line(f"(block {end} (loop {top}")
         self.mark(node)
         self._ask_interrupt(node)
         self.line(f"(br_if {end} (i32.eqz {self.value(node.condition)}))")
+        if entered:
+            self.line(f"(if (i32.eqz (local.get {entered})) (then (local.set {entered} (i32.const 1))")
+            self._branch(node, "LOOP", ENTERED)
+            self.line("))")
         self._loop_body(node.body, end, next_)
         self.line(f"(br {top})))")
+        if entered:
+            self.line(f"(if (i32.eqz (local.get {entered})) (then")
+            self._branch(node, "LOOP", NOT_ENTERED)
+            self.line("))")
 
     def repeat(self, node: s.Repeat) -> None:
         end, top, next_ = self.label("end"), self.label("loop"), self.label("next")
@@ -221,7 +235,14 @@ class Statements(Calls):
         self._ask_interrupt(node)
         self._loop_body(node.body, end, next_)
         self.mark(node.condition)
-        self.line(f"(br_if {top} (i32.eqz {self.value(node.condition)}))))")
+        if not self.probed:
+            self.line(f"(br_if {top} (i32.eqz {self.value(node.condition)}))))")
+            return
+        self.line(f"(if (i32.eqz {self.value(node.condition)}) (then")
+        self._branch(node, "LOOP", AGAIN)
+        self.line(f"(br {top})))")
+        self._branch(node, "LOOP", DONE)
+        self.line("))")
 
     def for_(self, node: s.For) -> None:
         """End and step are taken once; the variable ends one step past the end (reference/semantics.md)."""
@@ -229,6 +250,7 @@ class Statements(Calls):
         kind = t.base_of(node.var.type)
         if kind is t.ERROR:
             return
+        written = node
         node = s.For(node.start, node.end, self.pinned(node.var), node.first, node.last, node.step, node.body)
         step = node.step.const if node.step is not None else 1
         last = range_of(node.last, self.ranges)
@@ -239,7 +261,14 @@ class Statements(Calls):
         first = range_of(node.first, self.ranges)
         self._show(node, counter, wasm)
         end, by = self._once(node.last, wasm), self._once(node.step, wasm) if node.step else number(1, wasm)
-        self._for_loop(node, Counting(kind, wasm, f"(local.get {counter})", end, by, step), counter, first, last)
+        counting = Counting(kind, wasm, f"(local.get {counter})", end, by, step)
+        if self.probed:
+            self.line(f"(if {counting.inside()} (then")
+            self._branch(written, "LOOP", ENTERED)
+            self.line(") (else")
+            self._branch(written, "LOOP", NOT_ENTERED)
+            self.line("))")
+        self._for_loop(node, counting, counter, first, last)
 
     def _once(self, node: s.Node, wasm: str) -> str:
         """A value that is worked out before the loop begins."""

@@ -79,7 +79,54 @@ def test_branches_and_states(folder, coverage):
 
 def test_table(coverage):
     ((path, *cells),) = coverage.table()
-    assert cells == ["7", "71 % 5/7", "33 % 1/3", "50 % 2/4", "6, 12"]
+    assert cells == ["7", "71 % 5/7", "33 % 1/3", "50 % 2/4", "-", "6, 12"]
+
+
+LOOPS = """\
+FUNCTION Loops : INT
+VAR_INPUT n : INT; END_VAR
+VAR i, k : INT; END_VAR
+FOR i := 1 TO n DO
+  IF i = 3 THEN EXIT; END_IF
+END_FOR
+FOR i := 5 TO 1 BY -2 DO Loops := Loops + 1; END_FOR
+WHILE k < n DO
+  k := k + 1;
+  WHILE k > 100 DO EXIT; END_WHILE
+END_WHILE
+REPEAT
+  k := k - 1;
+UNTIL k < 0 END_REPEAT
+REPEAT k := 0; UNTIL TRUE END_REPEAT
+END_FUNCTION
+{attribute 'test'}
+FUNCTION test_loops : BOOL
+ASSERT_EQ(3, Loops(0));
+ASSERT_EQ(3, Loops(2));
+ASSERT_EQ(3, Loops(5));
+END_FUNCTION
+"""
+
+
+def test_loops(tmp_path):
+    (tmp_path / "test_loops.st").write_text(LOOPS)
+    file, made = TestFile(tmp_path / "test_loops.st", probes=True), Coverage()
+    assert file.run(file.tests[0]).passed
+    made.add(file.program, file.plc._machine.memory)
+    (covered,) = made.files.values()
+    ways = [(place[0], way.label, way.count) for place, _, way in covered.ways("LOOP")]
+    # n = 0, 2, 5: k is 0, 2, 5 before the first REPEAT, which goes 1, 3 and 6 rounds
+    assert ways == [
+        (4, "body", 2), (4, "no round", 1), (7, "body", 3), (7, "no round", 0), (8, "body", 2), (8, "no round", 1),
+        (10, "body", 0), (10, "no round", 7), (12, "another round", 0 + 2 + 5), (12, "done", 3),
+        (15, "another round", 0), (15, "done", 3),
+    ]  # fmt: skip
+    assert [w.count for _, _, w in covered.ways("IF")] == [1, 4]  # i = 3 with n = 5; else 1, 2 and 1, 2
+    other = Coverage()
+    other.merge(made.data())
+    other.merge(made.data())
+    assert [w.count for _, _, w in next(iter(other.files.values())).ways("LOOP")] == [2 * c for _, _, c in ways]
+    assert made.table()[0][5] == "75 % 9/12"
 
 
 def test_files(folder, capsys):
@@ -99,6 +146,9 @@ def test_a_file_that_cannot_be_written(folder, capsys):
     assert main(["test", "--lcov", "no/out.info"]) == 2
     assert "there is no folder no" in capsys.readouterr().err
     assert main(["test", "--cobertura", "."]) == 2
+    if Path("/dev/full").exists():
+        assert main(["test", "--lcov", "/dev/full"]) == 2
+        assert "can't be written: No space left" in capsys.readouterr().err
 
 
 SPECIAL = ("fault", "mistakes", "test_")  # examples that fail on purpose, or are no program

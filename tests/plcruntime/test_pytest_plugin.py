@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from xml.etree import ElementTree
 
 import pytest
 
@@ -106,6 +107,73 @@ def test_golden_is_recorded_then_compared(folder):
 
 
 # ----------------------------------------------------------------------------------------------- comparing
+
+
+COVERED = """\
+PROGRAM PLC_PRG
+VAR n, i : INT; END_VAR
+n := Twice(n) + 1;
+IF n > 5 THEN
+  n := 0;
+END_IF
+FOR i := 1 TO n - 4 DO
+  n := n;
+END_FOR
+END_PROGRAM
+"""
+TWICE = """\
+FUNCTION Twice : INT
+VAR_INPUT a : INT; END_VAR
+IF a > 100 THEN
+  Twice := 200;
+  RETURN;
+END_IF
+Twice := 2 * a;
+END_FUNCTION
+"""
+COVERED_TESTS = """\
+def test_one(plc):
+    plc("covered.st").scan(2)
+
+def test_two(plc):
+    p = plc("covered.st")
+    p.scan(1)
+    p.reset("cold")
+    p.scan(1)
+    assert p["n"] == 1
+"""
+COVERED_ST = """\
+{attribute 'test'}
+FUNCTION test_twice : BOOL
+ASSERT_EQ(6, Twice(3));
+END_FUNCTION
+"""
+
+
+def test_coverage_of_all_tests_together(folder):
+    (folder / "covered.st").write_text(COVERED)
+    (folder / "Twice.st").write_text(TWICE)
+    (folder / "test_covered.py").write_text(COVERED_TESTS)
+    (folder / "test_twice.st").write_text(COVERED_ST)
+    code, out = run(folder, "--plc-cov", "--plc-lcov", "out.info", "--plc-cobertura", "out.xml")
+    assert code == 0 and "3 passed" in out and "coverage of ST" in out
+    rows = [" ".join(line.split()) for line in out.splitlines()]
+    assert "Twice.st 4 50 % 2/4 50 % 1/2 - - 4-5" in rows
+    assert "covered.st 5 60 % 3/5 50 % 1/2 - 50 % 1/2 5, 8" in rows
+    lines = (folder / "out.info").read_text().splitlines()
+    twice = lines[lines.index(f"SF:{folder / 'Twice.st'}") :]
+    twice = twice[: twice.index("end_of_record")]
+    assert {"DA:3,5", "DA:4,0", "DA:5,0", "DA:7,5", "LF:4", "LH:2", "BRF:2", "BRH:1"} <= set(twice)
+    program = lines[lines.index(f"SF:{folder / 'covered.st'}") :]
+    # n is 1, 3, 1 and, after the reset, 1
+    assert {"DA:3,4", "DA:4,4", "DA:5,0", "DA:7,4", "DA:8,0", "LH:3", "LF:5"} <= set(program)
+    root = ElementTree.parse(folder / "out.xml").getroot()
+    assert (root.get("lines-covered"), root.get("lines-valid")) == ("5", "9")
+
+
+def test_coverage_that_cannot_be_written(folder):
+    code, out = run(folder, "--plc-lcov", "no/out.info")
+    assert code == 4 and "--plc-lcov no/out.info: there is no folder no" in out and "Traceback" not in out
 
 
 @pytest.fixture
