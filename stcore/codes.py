@@ -145,7 +145,7 @@ CODES: dict[str, Code] = {
     "E0705": Code("there is no .st file in the folder {path}"),
     # --- W08: what a running program does wrong with its motion blocks (plcruntime/warnings.py)
     "W0801": Code(
-        "{name} moves {axis} and was not called: the axis went to errorstop",
+        "{name} moves {axis} and was not called",
         "call it in every scan until it is done, outside of IF and CASE: Execute starts a motion, the calls keep it up",
     ),
     "W0802": Code(

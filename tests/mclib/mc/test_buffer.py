@@ -106,7 +106,8 @@ def test_an_axis_error_is_an_error_of_those_that_wait(bench):
     bench["calm"] = False
     bench.plc.axes[1].drive.alarm = True
     bench.scan(3)
-    assert bench["first.Error"] and bench["second.Error"] and bench["second.ErrorID"] == 2
+    assert bench["first.Error"] and bench["first.ErrorID"] == 2
+    assert bench["second.Error"] and bench["second.ErrorID"] == 34
 
 
 def test_a_waiting_block_started_anew_goes_to_the_end(bench):

@@ -39,7 +39,7 @@ def test_gear_ratio_may_change_and_the_master_be_stopped(bench):
 
 def test_gear_out_keeps_the_velocity(bench):
     bench.start("gearOut")
-    assert bench["gearOut.ErrorID"] == 700
+    assert bench["gearOut.ErrorID"] == 34
     bench.start("run", 100, Velocity=400.0)
     bench.start("gear", **GEAR)
     bench.until("gear.InGear")
@@ -148,7 +148,7 @@ def test_gear_in_pos_fails_when_the_master_gets_too_fast(bench):
 
 def test_phase_shifts_the_master(bench):
     bench.start("phase", PhaseShift=10.0, Velocity=100.0)
-    assert bench["phase.ErrorID"] == 726
+    assert bench["phase.ErrorID"] == 34
     bench.start("run", 100, Velocity=400.0)
     bench.start("gear", **GEAR)
     bench.until("gear.InGear")

@@ -79,6 +79,24 @@ def test_a_block_that_is_done_needs_no_call(stations):
     assert stations.warnings == []
 
 
+def test_what_is_added_to_a_motion_goes_on_without_its_block():
+    text = """
+PROGRAM PLC_PRG
+VAR ax : AXIS_REF_SM3; power : MC_Power; run : MC_MoveVelocity; over : MC_MoveSuperImposed; n : INT; END_VAR
+n := n + 1;
+power(Axis := ax, Enable := TRUE, bRegulatorOn := TRUE, bDriveStart := TRUE);
+run(Axis := ax, Execute := power.Status, Velocity := 100, Acceleration := 1000, Deceleration := 1000);
+IF n < 60 OR n > 290 THEN
+    over(Axis := ax, Execute := n > 50, Distance := 10, VelocityDiff := 100, Acceleration := 1000,
+        Deceleration := 1000);
+END_IF
+END_PROGRAM
+"""
+    plc = ran(text)
+    assert [(w.code, w.instance) for w in plc.warnings] == [("W0801", "PLC_PRG.over")]
+    assert plc["PLC_PRG.over.Done"] and plc["PLC_PRG.ax.nAxisState"] == 5
+
+
 def test_one_warning_for_an_instance_and_a_reason(stations):
     for _ in range(5):
         for value in (True, False):
