@@ -8,64 +8,31 @@ from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 
-from mclib import mram
+from mclib import configuration, mram
+from mclib.configuration import ConfigError
 from stcore.program import Program
 from stcore.types import Array, Block, Field, Struct, Type
 
-CONFIG = Path(__file__).parent / "config"
 AXIS = "AXIS_REF_SM3"
-TOO_LONG, MISSING, WRONG_LINE = -1, -2, -1000  # of HostReadConfig; WRONG_LINE minus the line's number
-AXES = 12  # of the GT_ controller
-# setting of a configuration file -> key of GtConfigure, lowest and highest value (docs/config_files.md)
-SETTINGS = {
-    "alarm": (1, 1, AXES),
-    "limit_positive": (2, 1, AXES),
-    "limit_negative": (3, 1, AXES),
-    "profile_alpha": (4, -32766, 32766),
-    "profile_beta": (5, -32766, 32766),
-    "encoder_alpha": (6, -32766, 32766),
-    "encoder_beta": (7, -32766, 32766),
-    "stop_smooth": (8, 1e-9, 32767),
-    "stop_abrupt": (9, 1e-9, 32767),
-    "following_error": (10, 1, 2147483647),
-    "lag": (11, 0, 1e6),
-    "resolution": (12, 0, 1e9),
-    "soft_positive": (13, -2147483648, 2147483647),
-    "soft_negative": (14, -2147483648, 2147483647),
-    "drive_speed": (15, 1e-9, 1e6),
-    "drive_drift": (16, -32767, 32767),
-    "pulse_type": (17, 0, 2),
-}
-SIGNALS = {"alarm", "limit_positive", "limit_negative"}
-
-
-class ConfigError(ValueError):
-    """A line of a configuration file that is wrong. line: its number, from 1."""
-
-    def __init__(self, line: int, problem: str) -> None:
-        super().__init__(f"line {line}: {problem}")
-        self.line = line
+REASON = 95  # characters of SimReturn.why
 
 
 def functions(plc) -> dict[str, Callable]:
     """The external functions of the library, by upper-case name, for one PLC."""
 
-    def read_config(name_at: int, entries_at: int, most: int) -> int:
+    def read_config(name_at: int, entries_at: int, most: int, why_at: int) -> int:
         memory = _memory(plc)
         raw = bytes(memory[name_at : name_at + 256]).split(b"\0")[0]
         name = raw.decode("utf-8", "replace")
-        if len(name) > 125:
-            return TOO_LONG
-        file = find_config(name, [Path(f).parent for f in plc.program.files[:1]])
-        if file is None:
-            return MISSING
         try:
-            entries = parse_config(file.read_text(encoding="utf-8", errors="replace"))
-        except ConfigError as error:
-            return WRONG_LINE - error.line
+            entries = _configuration(plc, name)
+        except (ConfigError, OSError) as error:
+            reason = str(error).encode()[:REASON] + b"\0"
+            memory[why_at : why_at + len(reason)] = reason
+            return -getattr(error, "line", 0) - 1
         for i, (key, axis, value) in enumerate(entries[:most]):
             struct.pack_into("<iid", memory, entries_at + 16 * i, key, axis, value)
-        return min(len(entries), most)
+        return len(entries)
 
     kept = mram.Mram(mram.place(plc.project.path, plc.program.files))
 
@@ -97,57 +64,14 @@ def functions(plc) -> dict[str, Callable]:
     return found
 
 
-def find_config(name: str, folders: list[Path]) -> Path | None:
-    """The file of a configuration: as named when absolute, else in the folders, the working folder, our examples."""
-    if not name:
-        return None
-    for folder in (*folders, Path.cwd(), CONFIG):
-        file = folder / name
-        if file.is_file():
-            return file
-    return None
-
-
-def parse_config(text: str) -> list[tuple[int, int, float]]:
-    """(key, axis, value) of every setting, later ones last. Raises ConfigError."""
-    entries: list[tuple[int, int, float]] = []
-    axes: range | None = None
-    for number, line in enumerate(text.splitlines(), 1):
-        line = line.split("#")[0].split(";")[0].strip().lower()
-        if not line:
-            continue
-        if line.startswith("["):
-            axes = _section(line, number)
-            continue
-        name, equals, value = (part.strip() for part in line.partition("="))
-        if not equals:
-            raise ConfigError(number, "a setting is written 'name = value'")
-        if axes is None:
-            raise ConfigError(number, "a setting stands below a section [axis N] or [axis *]")
-        if name not in SETTINGS:
-            raise ConfigError(number, f"there is no setting '{name}'")
-        key, low, high = SETTINGS[name]
-        if name in SIGNALS and value == "none":
-            number_value = -1.0
-        else:
-            try:
-                number_value = float(value)
-            except ValueError:
-                raise ConfigError(number, f"'{value}' is not a number") from None
-            if not low <= number_value <= high or (low == -32766 and number_value == 0):
-                raise ConfigError(number, f"{name} goes from {low:g} to {high:g}")
-        entries += [(key, axis, number_value) for axis in axes]
-    return entries
-
-
-def _section(line: str, number: int) -> range:
-    words = line.strip("[]").split()
-    if len(words) == 2 and words[0] == "axis":
-        if words[1] == "*":
-            return range(1, AXES + 1)
-        if words[1].isdigit() and 1 <= int(words[1]) <= AXES:
-            return range(int(words[1]), int(words[1]) + 1)
-    raise ConfigError(number, f"a section is [axis *] or [axis 1] ... [axis {AXES}]")
+def _configuration(plc, name: str) -> list[tuple[int, int, float]]:
+    """The settings of a file. Raises ConfigError, OSError with a sentence."""
+    if len(name) > configuration.LONGEST:
+        raise OSError(f"the name of the file has more than {configuration.LONGEST} characters")
+    file = configuration.find(name, [Path(f).parent for f in plc.program.files[:1]])
+    if file is None:
+        raise OSError(f"there is no file '{name}' beside the program, in the working folder or among the examples")
+    return configuration.parse(file.read_text(encoding="utf-8", errors="replace"))
 
 
 # ------------------------------------------------------------------------------------------- axes of the program

@@ -5,17 +5,19 @@ from pathlib import Path
 
 import pytest
 
-from mclib import host
+from mclib import configuration
 from plcruntime import PLC
 
 DOC = Path(__file__).parents[2] / "docs/config_files.md"
 
 
-def test_settings_of_sections_in_order():
+def test_the_last_of_several_settings_holds():
     text = "# all\n[axis *]\nalarm = none ; comment\n[Axis 2]\nALARM = 3\nstop_abrupt=500.5\n"
-    entries = host.parse_config(text)
-    assert entries[:2] == [(1, 1, -1.0), (1, 2, -1.0)] and len(entries) == 14
-    assert entries[12:] == [(1, 2, 3.0), (9, 2, 500.5)]
+    entries = configuration.parse(text)
+    assert entries[:3] == [(1, 1, -1.0), (1, 2, 3.0), (1, 3, -1.0)] and entries[12:] == [(9, 2, 500.5)]
+    every = {name: s for name, s in configuration.SETTINGS.items() if not name.startswith("soft")}
+    most = "".join(f"[axis *]\n{name} = {s.low:g}\n" for name, s in every.items())
+    assert len(configuration.parse(60 * most)) == 12 * len(every) < 512  # SIM.config
 
 
 @pytest.mark.parametrize(
@@ -23,27 +25,29 @@ def test_settings_of_sections_in_order():
     [
         ("alarm = none", 1), ("[axis 13]", 1), ("[axis]", 1), ("[motor 1]", 1), ("[axis 1]\nalarm", 2),
         ("[axis 1]\n\nalarms = 1", 3), ("[axis 1]\nalarm = 0", 2), ("[axis 1]\nlag = x", 2), ("[axis 1]\nlag = nan", 2),
-        ("[axis 1]\nlag = none", 2), ("[axis 1]\nprofile_alpha = 0", 2), ("[axis 1]\nstop_smooth = 40000", 2),
+        ("[axis 1]\nalarm = 1.5", 2), ("[axis 1]\npulse_type = 3", 2), ("[axis 1]\nlag = none", 2),
+        ("[axis 1]\nencoder_alpha = 2\nencoder_beta = 3", 3), ("[axis 1]\nprofile_alpha = 0", 2),
+        ("[axis *]\nsoft_positive = 5\n[axis 3]\nsoft_negative = 5", 4), ("[axis 1]\nstop_smooth = 40000", 2),
     ],
 )  # fmt: skip
 def test_wrong_lines_are_named(text, line):
-    with pytest.raises(host.ConfigError) as caught:
-        host.parse_config(text)
+    with pytest.raises(configuration.ConfigError) as caught:
+        configuration.parse(text)
     assert caught.value.line == line
 
 
 def test_every_setting_is_documented():
     documented = set(re.findall(r"`([a-z_]+)`", DOC.read_text(encoding="utf-8")))
-    assert set(host.SETTINGS) <= documented
+    assert set(configuration.SETTINGS) <= documented
 
 
 def test_the_shipped_files_are_found_last(tmp_path):
-    assert host.find_config("test.cfg", []) == host.CONFIG / "test.cfg"
+    assert configuration.find("test.cfg", []) == configuration.SHIPPED / "test.cfg"
     (tmp_path / "test.cfg").write_text("")
-    assert host.find_config("test.cfg", [tmp_path]) == tmp_path / "test.cfg"
-    assert host.find_config("none.cfg", [tmp_path]) is None
-    assert host.find_config("", [tmp_path]) is None
-    assert host.parse_config((host.CONFIG / "servo.cfg").read_text())
+    assert configuration.find("test.cfg", [tmp_path]) == tmp_path / "test.cfg"
+    assert configuration.find("none.cfg", [tmp_path]) is None
+    assert configuration.find("", [tmp_path]) is None
+    assert configuration.parse((configuration.SHIPPED / "servo.cfg").read_text())
 
 
 def test_a_configuration_file_beside_the_program(tmp_path):
@@ -54,10 +58,44 @@ def test_a_configuration_file_beside_the_program(tmp_path):
     plc = PLC.load(program)
     plc.scan()
     assert plc["PLC_PRG.rtn"] == 7 and plc["PLC_PRG.d"] == 1.0
-    assert plc["SIM.refused[0].axis"] == 3  # the line
+    assert (
+        plc["SIM.refused[0].axis"] == 3 and plc["SIM.refused[0].why"] == "line 3: a setting is written 'name = value'"
+    )
     (tmp_path / "my.cfg").write_text("[axis 1]\nstop_smooth = 7\n")
     plc.scan()
     assert plc["PLC_PRG.rtn"] == 0 and plc["PLC_PRG.d"] == 7.0
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("none.cfg", "there is no file 'none.cfg'"), ("", "there is no file ''"),
+        ("x" * 126, "more than 125 characters"), ("x" * 121 + ".cfg", "there is no file"),
+    ],
+)  # fmt: skip
+def test_a_file_that_is_not_there(name, words):
+    plc = PLC.load(
+        f"PROGRAM P VAR rtn : INT; file : STRING(200) := '{name}'; END_VAR rtn := GT_LoadConfig(file); END_PROGRAM"
+    )
+    plc.scan()
+    assert plc["P.rtn"] == 7 and words in plc["SIM.refused[0].why"] and plc.fault is None
+
+
+def test_a_scale_that_is_loaded_with_the_servo_on_moves_no_motor(tmp_path):
+    (tmp_path / "my.cfg").write_text("[axis 1]\nprofile_alpha = 4\nprofile_beta = 1\n")
+    (tmp_path / "main.st").write_text("""PROGRAM P
+VAR rtn : INT; once : BOOL := TRUE; END_VAR
+IF once THEN
+    rtn := GT_AxisOn(1) + GT_SetPrfPos(1, 1000) + GT_LoadConfig('my.cfg') + GT_SetPrfPos(1, 0);
+    once := FALSE;
+END_IF
+END_PROGRAM""")
+    plc = PLC.load(tmp_path / "main.st")
+    plc.scan()
+    assert plc["P.rtn"] == 0 and plc.axes[1].position == 0.0
+    plc.axes[1].prfPos = 400.0  # four of the profile are one of the axis
+    plc.scan()
+    assert plc.axes[1].position == 100.0
 
 
 NESTED = """
