@@ -179,9 +179,15 @@ class Loader:
 
     def __call__(self, source, interval=None, config=None, *, strict: bool = False, watchdog=None) -> PLC:
         """A fresh PLC before its first scan; arguments as for PLC.load, files relative to the test's folder."""
+        from stcore.diagnostics import CompileError
+
         source = [self._found(x) for x in source] if isinstance(source, list | tuple) else self._found(source)
         config = self._found(config) if config is not None else None
-        program, project = self._programs.load(source, config, strict)
+        __tracebackhide__ = True
+        try:
+            program, project = self._programs.load(source, config, strict)
+        except CompileError as error:  # the place in the ST text tells more than ours in the compiler
+            raise error.with_traceback(None) from None
         plc = _watched_plc()(program, interval=interval, project=project, watchdog=watchdog)
         plc.origin = (source, config, strict)
         first = source[0] if isinstance(source, list) else source

@@ -117,8 +117,8 @@ class Routine:
 class Branch:
     """A way that an IF, a CASE or a loop can take, counted in a probed build.
 
-    site: of the statement; kind: IF, CASE or LOOP; label: the condition, the labels of a CASE, ELSE (written or not), or
-    what a loop did; line: where the label stands."""
+    site: of the statement; kind: IF, CASE or LOOP; label: the condition, the labels of a CASE, ELSE (written or not)
+    or what a loop did; line: where the label stands."""
 
     site: int
     kind: str

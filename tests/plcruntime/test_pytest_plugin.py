@@ -171,6 +171,12 @@ def test_coverage_of_all_tests_together(folder):
     assert (root.get("lines-covered"), root.get("lines-valid")) == ("5", "9")
 
 
+def test_errors_of_the_source_are_shown_without_our_frames(folder):
+    (folder / "test_wrong.py").write_text('def test_wrong(plc):\n    plc("PROGRAM A\\ny := 1;\\nEND_PROGRAM", strict=True)\n')
+    code, out = run(folder)
+    assert code == 1 and "error E0301: y is not declared" in out and "2 | y := 1;" in out and "stcore/" not in out and "build(" not in out
+
+
 def test_coverage_that_cannot_be_written(folder):
     code, out = run(folder, "--plc-lcov", "no/out.info")
     assert code == 4 and "--plc-lcov no/out.info: there is no folder no" in out and "Traceback" not in out
