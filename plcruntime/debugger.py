@@ -94,7 +94,6 @@ class Debugger:
         self._thread: threading.Thread | None = None
         self._ahead: Future[Program] | None = None
         self._deaf = False  # probes are passed over: typed text runs
-        self._watchdog = self._engine.guard.seconds
         self._checks: dict[tuple[int, int], Callable[[int, int], int]] = {}  # conditions, by breakpoint and body
         self._checks_size = OTHERS
         self._touched = False  # the user wrote in the middle of the scan: it can't be repeated
@@ -115,13 +114,11 @@ class Debugger:
             self._probed.on_probe = self._on_probe
         if not self.active:
             self._use(self._probed)
-            self._watchdog, self._engine.guard.seconds = self._engine.guard.seconds, 0
 
     def detach(self) -> None:
         """Back to the fast build, when nothing needs the probes any more."""
         if self.active and self.stop is None and not self.breakpoints.active:
             self._use(self._plain)
-            self._engine.guard.seconds = self._watchdog
 
     def _use(self, machine) -> None:
         self._engine.use(machine)
@@ -209,9 +206,10 @@ class Debugger:
         self._engine.go_to(self._engine.scans)
 
     def call(self, function: Callable[[], object]) -> object:
-        """Run a function in the thread of the waiting scan."""
+        """Run a function in the thread of the waiting scan; what does not end is broken off as an endless loop."""
         self._requests.put(function)
-        kind, value = self._wait()
+        kind, value = self._wait(self._engine.guard.seconds)
+        self._engine.machine.clear_interrupt()  # the waiting scan shall go on
         if kind == "error":
             raise value
         return value
@@ -258,16 +256,17 @@ class Debugger:
         self._order = None
         struct.pack_into("<i", self._engine.machine.memory, STOP, 0)
 
-    def _wait(self) -> tuple[str, object]:
-        """What the thread has to say next. Ctrl-C stops it at the next statement."""
-        events, hurry = self._order.events, 0.0
+    def _wait(self, limit: float = 0.0) -> tuple[str, object]:
+        """What the thread has to say next. Ctrl-C stops it at the next statement. limit: s it may take, 0 for ever."""
+        events, waited, hurry = self._order.events, 0.0, 0.0
         interrupted = False
         while True:
             try:
                 return events.get(timeout=TICK)
             except queue.Empty:
+                waited += TICK
                 hurry += TICK if interrupted else 0
-                if hurry > PATIENCE:
+                if hurry > PATIENCE or limit and waited > limit:
                     self._engine.machine.interrupt()
             except KeyboardInterrupt:
                 interrupted = True
@@ -357,6 +356,10 @@ class Debugger:
     def _suspend(self, stop: Stop) -> None:
         """Wait in the middle of the scan; run meanwhile what the other thread asks for."""
         self._order.events.put(("stop", stop))
+        with self._engine.guard.paused():
+            self._serve()
+
+    def _serve(self) -> None:
         while True:
             request = self._requests.get()
             if isinstance(request, Abandoned):

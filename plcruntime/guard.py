@@ -34,6 +34,8 @@ class Guard:
         self._running = False  # a run is under way: the thread and its pipe must stay
         self._busy = False  # the module is running
         self._raise_now = False  # Python code of the user is running: Ctrl-C ends it as anywhere
+        self._paused = False  # the scan waits for the user
+        self._pauses = 0  # that have ended
         self._call = 0
         self._memory = None
         self._last_use = 0.0
@@ -77,6 +79,16 @@ class Guard:
                 self._memory = None
 
     @contextmanager
+    def paused(self):
+        """While a scan waits for the user in its middle: that is no endless loop."""
+        self._paused = True
+        try:
+            yield
+        finally:
+            self._pauses += 1
+            self._paused = False
+
+    @contextmanager
     def users_code(self):
         """Around Python code of the user that is called between scans."""
         if self.stopped:
@@ -115,10 +127,10 @@ class Guard:
                         self._thread = None
                         return
                     continue
-                state = (self._call, bytes(self._memory[SCAN : SCAN + 8]))
+                state = (self._call, self._pauses, bytes(self._memory[SCAN : SCAN + 8]))
                 if state != seen:
                     seen, since = state, now
-                elif self.seconds and now - since >= self.seconds:
+                elif self.seconds and not self._paused and now - since >= self.seconds:
                     self.machine.interrupt()
                 if self.stopped and not signalled:  # it came just before the call
                     signalled = now

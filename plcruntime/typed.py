@@ -62,11 +62,15 @@ class Typed:
     def run_inside(self, text: str, scene: Scene, this: int, frame: int) -> tuple[Result, bool]:
         """The same in the middle of a scan, where a probe stopped, and whether a variable of the image changed.
 
-        To be called by the thread that runs the scan."""
+        To be called by the thread that runs the scan. After what it raises the variables are as they were."""
         machine, end = self._plc._engine.machine, self._plc.program.image_end
         side = compile_side(self.names(machine.program), text, scene)
         before = bytes(machine.memory[NULL_PAGE:end])
-        result = self.result(side.type, machine.side(side)(this, frame))
+        try:
+            result = self.result(side.type, machine.side(side)(this, frame))
+        except BaseException:
+            machine.memory[NULL_PAGE:end] = before
+            raise
         return result, before != bytes(machine.memory[NULL_PAGE:end])
 
     def condition(self, text: str, scene: Scene, offset: int) -> tuple[Callable[[int, int], int], int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import traceback
 
@@ -11,6 +12,7 @@ from plcruntime.repl.session import Session
 from plcruntime.report import fault_text
 from stcore.diagnostics import CompileError
 from stcore.faults import Fault
+from stcore.near import near
 from stcore.paths import PathError
 from stcore.side import SideError, summary
 
@@ -54,7 +56,7 @@ class Repl:
             else:
                 self.commands.typed(line)
         except CompileError as error:
-            self.session.say(summary(error.diagnostics))
+            self.session.say(summary(error.diagnostics) + _meant(line))
         except Fault as fault:
             self.session.faulted(fault, fault_text)
         except KeyboardInterrupt:
@@ -69,6 +71,13 @@ class Repl:
             traceback.print_exc()
             self.session.say(f"scancycle itself failed here ({error}); please report the lines above")
         return True
+
+
+def _meant(line: str) -> str:
+    """The command that a line that is no ST may have been meant as."""
+    word = re.match(r"([A-Za-z]{3,})(\s|$)", line)
+    hint = near(word[1].lower(), list(COMMANDS)) if word else ""
+    return f"; {hint.removesuffix('?')}, the command?" if hint else ""
 
 
 def _piped(_session):

@@ -57,6 +57,7 @@ ALIASES = {
     "w": "watch", "d": "delete", "h": "help", "?": "help", "q": "quit", "exit": "quit", "r": "run", "u": "until",
     "finish": "out", "info": "where", "cont": "continue",
 }  # fmt: skip
+_NO_PREFIX = {"for"}  # begins ST, though a command begins with it
 _OPERATOR = re.compile(r"\s+([-+*/=<>]|AND\b|OR\b|XOR\b|MOD\b)", re.I)
 
 
@@ -70,10 +71,20 @@ def split(line: str, is_variable: Callable[[str], bool] = lambda _: False) -> tu
         return "", line
     if _OPERATOR.match(rest) and is_variable(word):
         return "", line
-    name = ALIASES.get(word, word)
-    if name not in COMMANDS or name != word and is_variable(word):
+    name = _named(word)
+    if not name or name != word and is_variable(word):
         return "", line
     return name, rest.strip()
+
+
+def _named(word: str) -> str:
+    """The command that a word stands for: its name, a short form, or a beginning that no other has; else ''."""
+    if word in COMMANDS:
+        return word
+    if word in ALIASES:
+        return ALIASES[word]
+    longer = [name for name in COMMANDS if name.startswith(word)]
+    return longer[0] if len(longer) == 1 and len(word) > 1 and word not in _NO_PREFIX else ""
 
 
 class Commands(Moving, Looking):
@@ -85,6 +96,9 @@ class Commands(Moving, Looking):
         self.debugger = session.debugger
 
     def run(self, name: str, rest: str) -> None:
+        if rest and COMMANDS[name].usage == name and name != "continue":
+            more = f"; step {rest} runs scans" if name in ("next", "into", "out") else ""
+            raise UsageError(f"{name} takes no arguments{more}")
         getattr(self, COMMANDS[name].method)(rest)
 
     def typed(self, line: str) -> None:
@@ -96,8 +110,8 @@ class Commands(Moving, Looking):
     def do_help(self, rest: str) -> None:
         say = self.session.say
         if rest:
-            name = ALIASES.get(rest.lower(), rest.lower())
-            if name not in COMMANDS:
+            name = _named(rest.lower())
+            if not name:
                 raise UsageError(f"there is no command {rest}; help lists them")
             short = [a for a, n in ALIASES.items() if n == name]
             also = f"   (also {', '.join(short)})" if short else ""

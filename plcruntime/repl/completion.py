@@ -9,10 +9,11 @@ from plcruntime.repl import store
 from plcruntime.repl.commands import COMMANDS, split
 from plcruntime.repl.session import Session
 from stcore import paths
-from stcore.paths import PathError
-from stcore.types import Block, Pointer, Struct
+from stcore.paths import PathError, Place
+from stcore.types import BOOL, Block, Enum, Pointer, Struct
 
 _PATH = re.compile(r"[^\W\d][\w.^]*(?:\[[^\]]*\][\w.^]*)*$|%\w*$")
+_TARGET = re.compile(r"([^\W\d][\w.^]*(?:\[[^\]]*\][\w.^]*)*)\s*(?::=|=|<>)\s*$")
 
 
 def candidates(session: Session, text: str) -> Iterator[tuple[str, int]]:
@@ -36,6 +37,9 @@ def candidates(session: Session, text: str) -> Iterator[tuple[str, int]]:
             if name.upper().startswith(tail.upper()):
                 yield name, len(tail)
         return
+    for name in _values(session, before):
+        if name.upper().startswith(word.upper()):
+            yield name, len(word)
     if word:
         for name in sorted(_names(session), key=str.upper):
             if name.upper().startswith(word.upper()):
@@ -62,23 +66,39 @@ def _arguments(session: Session, before: str) -> list[str] | None:
     return None
 
 
+def _values(session: Session, before: str) -> list[str]:
+    """What may stand behind `state := ` or `state = `: the names of an ENUM's values, TRUE and FALSE."""
+    match = _TARGET.search(before)
+    if not match:
+        return []
+    try:
+        kind = _place(session, match[1]).type
+    except PathError:
+        return []
+    return list(kind.values) if isinstance(kind, Enum) else ["FALSE", "TRUE"] if kind is BOOL else []
+
+
+def _place(session: Session, path: str) -> Place:
+    """Where a path leads; the names of the POU that a scan waits in come first. Raises PathError."""
+    if session.debugger.stop is not None:
+        try:
+            return session.plc.place(f"{session.debugger.stop.instance}.{path}")
+        except PathError:
+            pass  # no name of that POU
+    return session.plc.place(path)
+
+
 def _members(session: Session, head: str) -> list[str]:
     """The members of what stands before the dot: an instance, a structure, a global list."""
     plc = session.plc
     lists = [v.path.rpartition(".")[2] for k, v in plc.program.variables.items() if k.startswith(head.upper() + ".")]
-    heads = [head]
-    if session.debugger.stop is not None:
-        heads.insert(0, f"{session.debugger.stop.instance}.{head}")
-    for path in heads:
-        try:
-            kind = plc.place(path).type
-        except PathError:
-            continue
-        if isinstance(kind, Pointer) and kind.reference:
-            kind = kind.target
-        if isinstance(kind, Struct | Block):
-            return [f.name for f in kind.members.values()]
-    return lists
+    try:
+        kind = _place(session, head).type
+    except PathError:
+        return lists
+    if isinstance(kind, Pointer) and kind.reference:
+        kind = kind.target
+    return [f.name for f in kind.members.values()] if isinstance(kind, Struct | Block) else lists
 
 
 def _names(session: Session) -> set[str]:

@@ -39,7 +39,8 @@ class Looking:
         pattern = (rest or "*").upper().replace("[", "[[]")
         rows = []
         for place in paths.user_places(self.plc.program):
-            if fnmatch.fnmatchcase(place.name.upper(), pattern):
+            name = place.name.upper()
+            if fnmatch.fnmatchcase(name, pattern) or fnmatch.fnmatchcase(name, f"*.{pattern}"):
                 rows.append((place.name, self.session.value_text(place.name), str(place.type)))
         if not rows:
             raise UsageError(f"no variable is called {rest}")
@@ -174,6 +175,8 @@ class Looking:
         lines = self.session.lines_of(file)
         if not lines:
             raise UsageError(f"the source of {file or 'this program'} is not in a file")
+        if line - AROUND > len(lines):
+            raise UsageError(f"{Path(file).name} has {len(lines)} lines")
         marked = {p.line for p in self.debugger.breakpoints.points.values() if self._file_of(p) == file}
         for number in range(max(1, line - AROUND), min(len(lines), line + AROUND) + 1):
             mark = ">" if number == current else "*" if number in marked else " "

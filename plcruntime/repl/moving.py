@@ -100,20 +100,18 @@ class Moving:
 
     # ---------------------------------------------------------------------------------------- statements
 
-    def _statement(self, how: str, rest: str) -> None:
-        if rest:
-            raise UsageError(f"{how} takes no arguments; step {rest} runs scans")
+    def _statement(self, how: str) -> None:
         self.session.begin()
         self.session.show(self.debugger.step(how))
 
     def do_next(self, rest: str) -> None:
-        self._statement("next", rest)
+        self._statement("next")
 
     def do_into(self, rest: str) -> None:
-        self._statement("into", rest)
+        self._statement("into")
 
     def do_out(self, rest: str) -> None:
-        self._statement("out", rest)
+        self._statement("out")
 
     def do_break(self, rest: str) -> None:
         points = self.debugger.breakpoints

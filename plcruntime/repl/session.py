@@ -184,8 +184,9 @@ def _own_names(stop: Stop) -> set[str]:
 
 
 def _is_number(text: str) -> bool:
+    """Also with a unit behind it."""
     try:
-        float(text)
+        float(text.split(" ")[0])
     except ValueError:
         return False
     return True

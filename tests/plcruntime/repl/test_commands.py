@@ -147,6 +147,7 @@ def test_list_and_vars(prompt):
     assert "PROGRAM PLC_PRG" in prompt("list")
     assert "TON" in prompt("list 19")
     assert "PLC_PRG.acc" in prompt("vars plc_prg.a*")
+    assert prompt("vars N").splitlines()[1].split() == ["PLC_PRG.n", "0", "INT"]
 
 
 def test_a_fault_leaves_the_session_alive(prompt):
@@ -189,7 +190,12 @@ def test_a_fault_leaves_the_session_alive(prompt):
         ("reset hot", "no reset"),
         ("continue", "nothing would stop it"),
         ("axes", "uses no axis"),
+        ("axes live", "uses no axis"),
         ("vars zz*", "no variable"),
+        ("list 9000", "lines"),
+        ("diff 3", "takes no arguments"),
+        ("next 5", "step 5 runs scans"),
+        ("brek Acc:3", "did you mean break, the command?"),
         ("(" * 3000 + "1" + ")" * 3000, ""),
         ("n / 0", "0"),
         ("PLC_PRG", "n := 0"),
@@ -217,6 +223,21 @@ def test_a_variable_that_is_called_as_a_command(tmp_path, capsys):
     for line in ("step := 4", "step + 1", "step", "print run"):
         repl.handle(line)
     assert capsys.readouterr().out.splitlines() == ["5", "1 scans, 0.001 s", "4"]
+
+
+def test_the_beginning_of_a_command_is_enough(prompt):
+    assert prompt("ste 3") == "3 scans, 0.003 s"
+    assert prompt("unt n = 5") == "5 scans, 0.005 s"
+    prompt("FOR n := 1 TO 4 DO arr[1] := n; END_FOR")
+    assert prompt("arr[1]") == "4"  # FOR is not force
+    assert "not declared" in prompt("l_")
+
+
+def test_a_mistake_of_ours_does_not_end_the_session(prompt, monkeypatch, capsys):
+    monkeypatch.setattr(prompt.plc, "back", lambda count: 1 // 0)
+    prompt.all("step 2")
+    assert prompt("back").startswith("scancycle itself failed here")
+    assert prompt("step") == "3 scans, 0.003 s"
 
 
 def test_help_names_every_command(prompt):

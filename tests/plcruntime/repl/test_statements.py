@@ -5,6 +5,7 @@ from pathlib import Path
 from plcruntime import PLC
 from plcruntime.debugger import Debugger
 from plcruntime.plc import build
+from plcruntime.repl import Repl
 
 
 def test_next_goes_over_calls(prompt):
@@ -118,6 +119,27 @@ def test_probed_and_plain_runs_end_in_the_same_image(source):
     assert probed.scans == 500
     end = plain.program.image_end
     assert bytes(plain._machine.memory[1024:end]) == bytes(probed._machine.memory[1024:end])
+
+
+def test_a_typed_loop_that_does_not_end_is_broken_off_and_undone(source, capsys):
+    repl = Repl(PLC.load(source, watchdog=0.2))
+    for line in ("next", "next", "WHILE TRUE DO lim := lim + 1; END_WHILE", "PLC_PRG.lim", "step", "n"):
+        repl.handle(line)
+    said = capsys.readouterr().out.splitlines()[-4:]
+    assert "F0108" in said[0]
+    assert said[1:] == ["10", "1 scans, 0.001 s", "1"]
+    repl.session.close()
+
+
+def test_a_loop_that_does_not_end_is_a_fault_while_there_are_breakpoints(tmp_path, capsys):
+    loop = "WHILE n = 3 DO\n;\nEND_WHILE\nn := n + 1;"
+    (tmp_path / "p.st").write_text(f"PROGRAM P\nVAR n : INT; END_VAR\n{loop}\nEND_PROGRAM")
+    repl = Repl(PLC.load(tmp_path / "p.st", watchdog=0.3))
+    for line in ("break P:6 if n > 5", "run 1s", "n"):
+        repl.handle(line)
+    said = capsys.readouterr().out
+    assert "F0108" in said and said.splitlines()[-1] == "3"
+    repl.session.close()
 
 
 def test_a_changed_source_is_refused(prompt, source):

@@ -82,6 +82,15 @@ def test_completion(source):
     assert completed(session, "help pl") == ["plot"]
     assert completed(session, "reset c") == ["cold"]
     assert completed(session, "nothing.") == []
+    assert completed(session, "set flag := T")[:1] == ["TRUE"]
+
+
+def test_completion_of_the_names_of_an_enum(tmp_path):
+    text = "TYPE TS : (Idle, Busy); END_TYPE\nPROGRAM P\nVAR s : TS; END_VAR\ns := Busy;\nEND_PROGRAM"
+    (tmp_path / "e.st").write_text(text)
+    session = Session(PLC.load(tmp_path / "e.st"))
+    assert completed(session, "s := ") == ["Idle", "Busy"]
+    assert completed(session, "until P.s = b")[:1] == ["Busy"]
 
 
 def test_a_chart_keeps_a_single_peak():
