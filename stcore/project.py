@@ -239,6 +239,9 @@ class Project:
     def _type_decl(self, entry: Pending) -> t.Type:
         tree = entry.tree
         made = Declarer(self, entry.source, entry.library).type(tree.type, tree.name)
+        if isinstance(made, t.Enum) and isinstance(tree.init, s.Name):  # its own values need no name in front
+            owner = s.Name(tree.init.start, tree.init.start, tree.name)
+            tree.init = s.Member(tree.init.start, tree.init.end, owner, tree.init.name, tree.init.start)
         if tree.init is not None:
             self.type_inits[key(tree.name)] = Init(tree.init, entry.source, None, entry.library)
             if isinstance(made, t.Array) and not isinstance(tree.type, s.NamedType):

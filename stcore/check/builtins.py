@@ -270,6 +270,23 @@ def _sizeof(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
     return node
 
 
+def _isvalidref(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
+    """__ISVALIDREF(r): whether a REFERENCE leads anywhere (CODESYS V3)."""
+    value = checker.value(values[0])
+    if value.type is t.ERROR:
+        return checker.wrong(node)
+    if not isinstance(value, s.Deref) or not value.base.type.reference:
+        checker.error("E0501", values[0], name=checker.text(values[0]))
+        return checker.wrong(node)
+    return _done(node, name, t.DWORD, t.BOOL, [value.base])
+
+
+def _dynamic(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
+    hint = "every variable lives as long as the program: declare an array of them and hand out its elements"
+    checker.error("E0114", node, what=name, hint=hint)
+    return checker.wrong(node)
+
+
 def _bitadr(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
     """BITADR(x): 8 * byte offset + bit within the area of a direct address (CoDeSys V2.3)."""
     value = checker.place(values[0], write=False)
@@ -330,6 +347,8 @@ HANDLERS: dict[str, tuple[Callable, int, int]] = {
     "LIMIT": (_same_type, 3, 3), "MOVE": (_same_type, 1, 1), "SEL": (_choice, 3, 3), "MUX": (_choice, 2, 999),
     "TRUNC": (_trunc, 1, 1), "TRUNC_INT": (_trunc, 1, 1), "SHL": (_shift, 2, 2), "SHR": (_shift, 2, 2),
     "ROL": (_shift, 2, 2), "ROR": (_shift, 2, 2), "NOT": (_not, 1, 1), "ADR": (_adr, 1, 1), "SIZEOF": (_sizeof, 1, 1),
+    "XSIZEOF": (_sizeof, 1, 1), "__ISVALIDREF": (_isvalidref, 1, 1), "__NEW": (_dynamic, 0, 99),
+    "__DELETE": (_dynamic, 0, 99),
     "BITADR": (_bitadr, 1, 1), "LOWER_BOUND": (_bound, 2, 2), "UPPER_BOUND": (_bound, 2, 2),
     "__FLOOR": (_typed(_L, _L), 1, 1), "__CEIL": (_typed(_L, _L), 1, 1), "__NEAREST": (_typed(_L, _L), 1, 1),
     "__COPYSIGN": (_typed(_L, _L, _L), 2, 2), "__BITS": (_typed(t.LWORD, _L), 1, 1),

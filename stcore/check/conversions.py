@@ -36,6 +36,15 @@ def same(a: t.Type, b: t.Type) -> bool:
     return False
 
 
+def _element(kind: t.Type) -> t.Type:
+    """What an array or a text is made of in the end."""
+    while isinstance(kind, t.Array):
+        kind = kind.element
+    if isinstance(kind, t.String):
+        return t.WORD if kind.wide else t.BYTE
+    return kind
+
+
 def common(a: t.Type, b: t.Type) -> t.Elementary | None:
     """The type in which numbers of types a and b meet, None if they do not."""
     a, b = t.base_of(a), t.base_of(b)
@@ -178,7 +187,8 @@ class Conversions(Printed):
                 while isinstance(pointed, t.Array) and not isinstance(target.target, t.Array):
                     pointed = pointed.element
                 exact = same(pointed, target.target) or target.target.size == pointed.size
-                generic = t.BYTE in (source.target, target.target)
+                elements = _element(source.target), _element(target.target)
+                generic = t.BYTE in elements or elements[0] is elements[1]  # how V2.3 hands over arrays of any length
                 if not exact and not generic and t.ERROR not in (source.target, target.target):
                     self.warn("W0303", node, source=source, target=target)
                 return True

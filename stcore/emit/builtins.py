@@ -58,8 +58,11 @@ def _limit(e, node: s.Call, call: BuiltinCall) -> str:
 
 
 def _sel(e, node: s.Call, call: BuiltinCall) -> str:
+    """Only the input that is taken is worked out, as CODESYS does: SEL(n = 0, x / n, 0) is no division by zero."""
     selector, off, on = (e.value(a) for a in call.args)
     wasm = wasm_type(call.kind)
+    if any(word in text for text in (off, on) for word in ("(call", "(block", "(if", ".div", ".rem")):
+        return f"(if (result {wasm}) {selector} (then {on}) (else {off}))"
     a = e.temp(wasm)
     return f"(block (result {wasm}) (local.set {a} {off}) (select {on} (local.get {a}) {selector}))"
 
@@ -183,6 +186,7 @@ EMIT: dict[str, Callable] = {
     "ABS": _abs, "SQRT": _sqrt, "MIN": _extreme("lt"), "MAX": _extreme("gt"), "LIMIT": _limit, "SEL": _sel, "MUX": _mux,
     "TRUNC": _trunc, "TRUNC_INT": _trunc, "SHL": _shift, "SHR": _shift, "ROL": _rotate, "ROR": _rotate, "ADR": _adr,
     "LOWER_BOUND": _bound, "UPPER_BOUND": _bound, "MEMMOVE": _memmove, "MEMSET": _memset,
+    "__ISVALIDREF": lambda e, node, call: f"(i32.ne {e.value(call.args[0])} (i32.const 0))",
     "__FLOOR": _instruction("f64.floor"), "__CEIL": _instruction("f64.ceil"),
     "__NEAREST": _instruction("f64.nearest"), "__COPYSIGN": _instruction("f64.copysign"),
     "__BITS": _instruction("i64.reinterpret_f64"), "__LREAL": _instruction("f64.reinterpret_i64"),

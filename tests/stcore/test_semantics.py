@@ -114,6 +114,15 @@ def test_mux_and_sel_take_the_nearest_legal_input():
     ) == (30, 10)
 
 
+def test_sel_and_mux_evaluate_only_the_input_that_they_take():
+    assert values(
+        "a := SEL(n = 0, x / n, -1); b := SEL(n <> 0, -2, x MOD n); c := MUX(n + 1, x / n, 7);"
+        "t := SEL(f, Touch(TRUE, i), Touch(TRUE, j)); u := MUX(1, Touch(TRUE, k), Touch(FALSE, l));",
+        "a, b, c, n, i, j, k, l : INT; x : INT := 9; f, t, u : BOOL;",
+        "a", "b", "c", "i", "j", "k", "l", before=TOUCH,
+    ) == (-1, -2, 7, 1, 0, 0, 1)  # fmt: skip
+
+
 def scanned(block: str, call: str, names: list[str], scans: int = 2) -> list[tuple]:
     made = Run(program(f"x({call});", f"x : {block}; on : BOOL;"))
     rows = []

@@ -199,3 +199,12 @@ def test_mistakes_in_declarations(text, code, line, column, part):
 def test_all_errors_of_a_file_in_one_pass():
     found = errors(program("i := b;\nx := 1;\ny[0] := x;\nb := i;\nx := 2;", "i : INT; b : BOOL;"))
     assert [(d.code, d.line) for d in found if d.code == "E0302"] == [("E0302", 6), ("E0302", 9)]
+
+
+def test_memory_that_is_made_at_run_time_is_one_clear_error():
+    found = errors(program("p := __NEW(INT); __DELETE(p);", "p : POINTER TO INT;"))
+    assert [d.code for d in found] == ["E0114", "E0114"] and "__NEW" in found[0].message and "array" in found[0].hint
+
+
+def test_isvalidref_is_for_references():
+    assert [d.code for d in errors(program("b := __ISVALIDREF(i);", "b : BOOL; i : INT;"))] == ["E0501"]
