@@ -33,9 +33,11 @@ let active = 0, range = null;
 
 function draw() {
   const lanes = data.lanes.length + data.states.length;
-  const heights = panels.map(p => p.curves.length && p.names && Object.keys(p.names).length ? 110 : 170);
+  const gap = 34, top = 44, bottom = 46, timelines = lanes ? 24 * lanes + 14 + gap : 0;
+  const room = ($("plots").clientHeight - top - bottom - timelines + gap) / Math.max(1, panels.length) - gap;
+  const fair = Math.max(100, Math.min(260, Math.floor(room)));  // the time axis stays in the window where that can be
+  const heights = panels.map(p => Object.keys(p.names || {}).length ? Math.min(110, fair) : fair);
   if (lanes) heights.push(24 * lanes + 14);
-  const gap = 34, top = 44, bottom = 46;
   const total = heights.reduce((a, b) => a + b, 0) + gap * Math.max(0, heights.length - 1);
   const traces = [], layout = {
     height: Math.max(total + top + bottom, 200), margin: { l: 128, r: 16, t: top, b: bottom }, showlegend: false,
@@ -58,7 +60,7 @@ function draw() {
     panel.curves.forEach((curve, i) => traces.push({
       x: curve.t, y: curve.v, yaxis: ref, name: curve.label, type: "scatter", mode: "lines",
       line: { color: curve.overlay ? "#9aa5ae" : COLOURS[i % COLOURS.length], width: 1.6, dash: curve.overlay ? "dash" : "solid",
-        shape: curve.stepped ? "hv" : "linear" },
+        shape: curve.stepped ? "hv" : "linear", simplify: false },
       hovertemplate: "%{y} " + curve.unit + "<extra>" + curve.label + "</extra>",
     }));
     if (panel.curves.length > 1) legend(layout, panel, domain[1]);
@@ -99,6 +101,14 @@ function cursorShapes() {
 }
 
 /* ------------------------------------------------------------------------------------------- cursors */
+
+/* Moves what is shown so that a time lies inside, when it does not. */
+function bringIntoView(time) {
+  const [low, high] = $("time")._fullLayout.xaxis.range, width = high - low;
+  if (time >= low && time <= high) return;
+  const start = Math.max(0, Math.min(data.end - width, time - width / 2));
+  Plotly.relayout("time", { "xaxis.range": [start, start + width] });
+}
 
 function setCursor(k, time) {
   cursors[k] = time === null ? null : Math.max(0, Math.min(data.end, Math.round(time / data.interval) * data.interval));
@@ -148,6 +158,7 @@ document.addEventListener("keydown", e => {
   const by = { ArrowLeft: -1, ArrowRight: 1 }[e.key];
   if (!by || cursors[active] === null || e.target.tagName === "SELECT") return;
   setCursor(active, cursors[active] + by * data.interval);
+  bringIntoView(cursors[active]);
   e.preventDefault();
 });
 
@@ -205,6 +216,7 @@ data.events.forEach(event => {
   li.onclick = () => {
     document.querySelectorAll("#events li").forEach(other => other.classList.toggle("on", other === li));
     setCursor(active, event.time);
+    bringIntoView(event.time);
     showLines(event.lines);
   };
   document.querySelector("#events ol").append(li);
@@ -247,7 +259,8 @@ if (curves.length > 1) {
 function pair(cx, cy, name, colour, dash) {
   const times = cx.t.length >= cy.t.length ? cx.t : cy.t;
   return { x: Array.from(times, t => valueAt(cx, t)), y: Array.from(times, t => valueAt(cy, t)), name, type: "scatter",
-    mode: "lines", line: { color: colour, width: 1.6, dash }, text: Array.from(times, t => t.toPrecision(6) + " s"),
+    mode: "lines", line: { color: colour, width: 1.6, dash, simplify: false },
+    text: Array.from(times, t => t.toPrecision(6) + " s"),
     hovertemplate: "%{x}, %{y}<br>%{text}<extra></extra>" };
 }
 function drawXY() {
@@ -255,10 +268,12 @@ function drawXY() {
   if (!x || !y) return;
   const traces = [pair(x.curve, y.curve, "this run", COLOURS[0], "solid")];
   if (x.over && y.over) traces.push(pair(x.over, y.over, data.overlay, "#9aa5ae", "dash"));
+  const unit = curve => curve.unit ? ` (${curve.unit})` : "";
   const same = x.curve.unit && x.curve.unit === y.curve.unit;
   Plotly.react("xy", traces, { height: 640, margin: { l: 80, r: 16, t: 24, b: 50 }, showlegend: traces.length > 1,
-    hovermode: "closest", font: { size: 11, color: "#22303c" }, xaxis: { title: { text: x.name }, gridcolor: "#eef1f3" },
-    yaxis: { title: { text: y.name }, gridcolor: "#eef1f3", scaleanchor: same ? "x" : undefined } },
+    hovermode: "closest", font: { size: 11, color: "#22303c" },
+    xaxis: { title: { text: x.name + unit(x.curve) }, gridcolor: "#eef1f3" },
+    yaxis: { title: { text: y.name + unit(y.curve) }, gridcolor: "#eef1f3", scaleanchor: same ? "x" : undefined } },
     CONFIG);
 }
 $("x").onchange = $("y").onchange = drawXY;

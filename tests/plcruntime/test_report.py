@@ -196,6 +196,8 @@ def test_it_opens_without_network_and_without_errors(page, folder):
     assert [e for e in page.get_log("browser") if e["level"] == "SEVERE"] == []
     assert page.execute_script("return performance.getEntriesByType('resource').length") == 0
     assert len(find(page, "#time .scatterlayer .trace")) == 12 and len(find(page, "#time .barlayer .trace")) >= 4
+    hidden = "const p = document.getElementById('plots'); return p.scrollHeight - p.clientHeight;"
+    assert page.execute_script(hidden) <= 0  # the time axis is in the window
     assert page.save_screenshot(str(folder / "report.png")) and (folder / "report.png").stat().st_size > 20_000
 
 
@@ -237,10 +239,14 @@ def test_zoom_more_variables_and_xy(page):
     Select(find(page, "#add")[0]).select_by_visible_text("PLC_PRG.n")
     assert len(find(page, "#time .scatterlayer .trace")) == 14
     assert page.execute_script(asked) == [low, high]
+    find(page, "#events li.command")[0].click()  # at 0.05 s, outside of what is shown
+    assert page.execute_script(asked) == pytest.approx([0, high - low])
     find(page, "[data-view='xy']")[0].click()
     assert len(find(page, "#xy .scatterlayer .trace")) == 2
     assert find(page, "#x")[0].get_attribute("value") == "0"
     Select(find(page, "#y")[0]).select_by_visible_text("Velocity, axis 1")
     first = "document.getElementById('xy').data[0]"
+    titles = [find(page, f"#xy .{axis}title")[0].text for axis in "xy"]
+    assert titles[1] == "Velocity, axis 1 (u/s)" and titles[0].endswith("axis 1 (u)")
     ends = page.execute_script(f"return [Math.max(...{first}.x), Math.max(...{first}.y)]")
     assert ends == pytest.approx([100.0, 200.0])
