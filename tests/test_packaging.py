@@ -83,7 +83,8 @@ def commands(text):
             yield command.split(" #")[0].strip(), int(code[1]) if code else 0, output
 
 
-COMMANDS = [case for case in commands(README) if case[0].split()[0] in ("scancycle", "scy")]
+TOUR = re.search(r"^## From the first command.*?(?=^## )", README, re.S | re.M)[0]  # its commands need its files
+COMMANDS = [case for case in commands(README.replace(TOUR, "")) if case[0].split()[0] in ("scancycle", "scy")]
 
 
 def plain(text):
@@ -91,18 +92,56 @@ def plain(text):
     return re.sub(r"[\s─-╿]+", " ", text).strip()
 
 
+def run(command, folder, **more):
+    """A command of the README in a shell, with ours in the path."""
+    env = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}", "COLUMNS": "110"}
+    env.pop("PYTEST_ADDOPTS", None)
+    return subprocess.run(
+        command, shell=True, cwd=folder, env=env, capture_output=True, text=True, timeout=100, **more
+    )  # fmt: skip
+
+
+def check_command(command, code, output, folder):
+    result = run(command, folder)
+    printed = plain(result.stdout + result.stderr)
+    assert result.returncode == code, printed
+    for line in output:
+        if line.strip() not in ("", "..."):
+            assert plain(line.removesuffix(" ...")) in printed
+
+
 @pytest.mark.parametrize("case", COMMANDS, ids=lambda case: case[0][:60])
 def test_command_of_the_readme(case, tmp_path):
     command, code, output = case
     (tmp_path / "examples_st").symlink_to(ROOT / "examples_st")
     shutil.copy(ROOT / "examples_st" / "blinker.st", tmp_path / "my.st")
-    env = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}", "COLUMNS": "110"}
-    result = subprocess.run(command, shell=True, cwd=tmp_path, env=env, capture_output=True, text=True, timeout=100)
-    printed = plain(result.stdout + result.stderr)
-    assert result.returncode == code, printed
-    for line in output:
-        if line.strip() not in ("", "..."):
-            assert plain(line) in printed
+    check_command(command, code, output, tmp_path)
+
+
+def test_tour_of_the_readme(tmp_path):
+    """From the first command to a test that fails and then passes: its files, commands and prompts, in order."""
+    ran = []
+    for kind, block in re.findall(r"```(\w+)\n(.*?)```", TOUR, re.S):
+        ran.append(kind)
+        if kind == "iecst":
+            (tmp_path / re.match(r"// (\S+)", block)[1]).write_text(block)
+        elif kind == "console":
+            for command, code, output in commands(f"```console\n{block}```"):
+                check_command(command, code, output, tmp_path)
+        else:
+            lines = block.splitlines()
+            typed = [line.partition("> ")[2] for line in lines if re.match(r"[\w:]+> ", line)]
+            shown = [line for line in lines if not re.match(r"[\w:]+> ", line)]
+            result = run("scancycle repl pump.st", tmp_path, input="\n".join(typed))
+            assert result.stdout.splitlines()[1:] == shown
+    assert ran == ["iecst", "console", "text", "iecst", "console", "iecst", "console"]
+
+
+def test_the_readme_names_every_command():
+    from plcruntime.cli import _parser
+
+    choices = next(a.choices for a in _parser()._actions if a.choices)
+    assert [name for name in choices if f"scancycle {name}" not in README] == []
 
 
 @pytest.mark.parametrize("block", re.findall(r"```python\n(.*?)```", README, re.S))
