@@ -93,3 +93,50 @@ def test_parameter_errors(plc, case):
         assert plc["SIM.refusals"] == refused + 1
         assert last["command"] == case.split(" ")[0][:31] and last["code"] == 7 and last["why"]
     assert plc.fault is None and not any(axis.moving for axis in plc.axes)
+
+
+# what the host does alone, or what is no command of the PLC
+HOST = ("GT_Compile", "GetMacAddress", "GT_Delay", "GT_DelayHighPrecision")
+REACHING = {e.name: call(e) for e in ENTRIES if e.name not in HOST}
+
+
+@pytest.fixture(scope="module")
+def cut() -> PLC:
+    cases = "".join(f"    {n}: rtn := {c};\n" for n, c in enumerate(REACHING.values(), 1))
+    plc = PLC.load(f"""
+PROGRAM PLC_PRG
+VAR job, rtn : INT; room : ARRAY[0..99] OF LREAL := [100(7.0)]; END_VAR
+CASE job OF
+{cases}END_CASE
+job := 0;
+END_PROGRAM
+""")
+    plc.scan()
+    return plc
+
+
+@pytest.mark.parametrize("code", [-1, -7])
+@pytest.mark.parametrize("name", REACHING)
+def test_a_controller_that_is_not_reached(cut, name, code):
+    """Table 3-1: -1 the host does not reach the controller, -7 it does not answer; -6 then GT_Open fails."""
+    cut["SIM.link"] = code
+    cut["PLC_PRG.job"] = list(REACHING).index(name) + 1
+    cut.scan()
+    last = cut[f"SIM.refused[{(cut['SIM.refusals'] - 1) % 32}]"]
+    assert cut["PLC_PRG.rtn"] == last["code"] == (-6 if name == "GT_Open" else code)
+    assert last["command"] == name[:31] and "SIM.link" in last["why"]
+    assert cut["PLC_PRG.room"] == [7.0] * 100
+
+
+def test_the_link_comes_back():
+    plc = PLC.load("""
+PROGRAM PLC_PRG
+VAR rtn : INT; clock : UDINT; END_VAR
+rtn := GT_GetClock(ADR(clock));
+END_PROGRAM""")
+    plc.schedule("SIM.link", -1, "10ms")
+    plc.schedule("SIM.link", 0, "20ms")
+    trace = plc.trace("PLC_PRG.rtn", "PLC_PRG.clock")
+    plc.scan(30)
+    assert [int(x) for x in trace["PLC_PRG.rtn"]] == [0] * 10 + [-1] * 10 + [0] * 10
+    assert int(trace["PLC_PRG.clock"][25]) == 25  # the controller has run on
