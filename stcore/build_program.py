@@ -22,8 +22,8 @@ from stcore.source import Source
 
 @contextlib.contextmanager
 def at_full_length(sources: list[Source]) -> Iterator[None]:
-    """Without the garbage collector, since a build makes many small objects and frees none on the way, and with room for
-    deep trees. What is too deep even so is one error: raises CompileError."""
+    """Without the garbage collector, since a build makes many small objects and frees none on the way, and with room
+    for deep trees. What is too deep even so is one error: raises CompileError."""
     collecting = gc.isenabled()
     gc.disable()
     try:

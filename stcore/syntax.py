@@ -96,7 +96,7 @@ class TypeDecl(Node):
 
 
 class Configuration(Node):
-    """CONFIGURATION ... END_CONFIGURATION. sections, tasks, programs: of it and its resources, whose names are beside."""
+    """CONFIGURATION ... END_CONFIGURATION. sections, tasks, programs: of it and of its resources (their names)."""
 
     __slots__ = ("name", "sections", "tasks", "programs", "resources")
 
@@ -250,7 +250,8 @@ class Jump(Node):
 class Literal(Node):
     """value by type_name: None -> int or float (untyped number); BOOL -> bool; STRING, WSTRING -> str (escapes
     resolved); TIME, LTIME -> int nanoseconds; DATE, DT -> int seconds since 1970-01-01; TOD -> int
-    milliseconds; LDATE, LDT, LTOD -> int nanoseconds; any other elementary type name (typed literal INT#5, WORD#16#FF, REAL#1.5) -> int or float.
+    milliseconds; LDATE, LDT, LTOD -> int nanoseconds; any other elementary type name (typed literal INT#5,
+    WORD#16#FF, REAL#1.5) -> int or float.
     text: as written, for messages."""
 
     __slots__ = ("value", "type_name", "text", "type", "const", "symbol")

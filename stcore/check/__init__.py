@@ -18,7 +18,7 @@ from stcore.check.statements import Statements
 from stcore.declare import Declarer, Pending
 from stcore.diagnostics import Reporter
 from stcore.project import Project
-from stcore.scope import Pou, Var, key
+from stcore.scope import Pou, Var
 from stcore.source import Source
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ class CheckedProject(Project):
         checker.check_pou()
 
     def spread_writes(self) -> None:
-        """A POU writes outside itself when one that it uses does; a library function may be checked after its callers."""
+        """A POU writes outside itself when one that it uses does; that one may have been checked after it."""
         users: dict[Pou, list[Pou]] = {}
         for pou in [*self.reached, *self.instances.values()]:
             for used in pou.uses:

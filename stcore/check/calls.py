@@ -113,7 +113,7 @@ class Calls(Expressions):
 
     def _overloaded_conversion(self, node: s.Call) -> s.Node | None:
         """TO_STRING(x): the library's conversion for the type of x."""
-        target = key(node.callee.name)[3:]
+        target = key(node.callee.name).removeprefix("ANY_")[3:]
         if target not in ("STRING", "WSTRING") or len(node.args) != 1 or node.args[0].value is None:
             return None
         value = self.settle(self.value(node.args[0].value))

@@ -7,7 +7,8 @@ LEVELS = 300
 
 
 @pytest.mark.parametrize(
-    ("kind", "op", "value"), [("DINT", "+", 1500), ("LREAL", "+", 1500.0), ("BOOL", "OR_ELSE", True), ("WORD", "XOR", 0)]
+    ("kind", "op", "value"),
+    [("DINT", "+", 1500), ("LREAL", "+", 1500.0), ("BOOL", "OR_ELSE", True), ("WORD", "XOR", 0)],
 )
 def test_an_expression_of_1500_operands(kind, op, value):
     start = "TRUE" if kind == "BOOL" else "1"
