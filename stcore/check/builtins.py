@@ -21,8 +21,8 @@ _CONVERSION = re.compile(r"(?:([A-Z_]+?|[A-Z]+)_)?TO_([A-Z_]+)$")
 
 
 def conversion_types(name: str) -> tuple[t.Elementary | None, t.Elementary] | None:
-    """INT_TO_REAL -> (INT, REAL), TO_INT -> (None, INT), else None. Conversions of strings are the library's."""
-    match = _CONVERSION.match(name)
+    """INT_TO_REAL -> (INT, REAL), TO_INT and ANY_TO_INT -> (None, INT), else None; of strings they are the library's."""
+    match = _CONVERSION.match(name.removeprefix("ANY_"))
     if not match:
         return None
     source, target = (t.ALIASES.get(x, x) if x else None for x in match.groups())

@@ -75,3 +75,10 @@ def test_long_dates_and_times_of_day_keep_nanoseconds():
 
 def test_long_dates_beyond_64_bits_of_nanoseconds_are_an_error():
     assert [d.code for d in errors(program("d := LDT#2300-01-01-00:00:00;", "d : LDT;"))] == ["E0111"]
+
+
+def test_any_to_is_another_spelling_of_the_overloaded_conversions():
+    made = run(
+        "a := ANY_TO_INT(2.7); b := ANY_TO_REAL('2.5'); c := ANY_TO_STRING(T#1s);", "a : INT; b : REAL; c : STRING;"
+    )
+    assert (made["a"], made["b"], made["c"]) == (3, 2.5, "T#1s")
