@@ -175,6 +175,8 @@ class Moving:
             return
         if self.debugger.stop is not None:
             raise UsageError("a snapshot is taken between two scans; step ends this one")
+        if self.plc.fault:
+            raise UsageError("a PLC in its exception state is not kept; back leads to the scan before")
         store.save(self.plc, rest)
         self.session.say(f"saved {rest}: {self.plc.scans} scans, {self.session.time()}")
 

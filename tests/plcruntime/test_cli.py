@@ -1,3 +1,4 @@
+import ast
 import csv
 import json
 import os
@@ -306,6 +307,9 @@ def test_a_missing_package(capsys, file, monkeypatch):
 
 
 def test_an_old_python(tmp_path):
+    text = (Path(__file__).resolve().parents[2] / "plcruntime" / "__init__.py").read_text(encoding="utf-8")
+    ast.parse(text, feature_version=(3, 4))
+    assert "__future__" not in text and 'f"' not in text  # else an older one fails before it can say so
     root = Path(__file__).resolve().parents[2]
     old = "import sys; sys.version_info = (3, 9, 2, 'final', 0); sys.argv = [{argv}]; import plcruntime"
     for argv in ("'-m'", "'x.py'"):

@@ -2,6 +2,8 @@
 
 import pytest
 
+from plcruntime import PLC
+from plcruntime.repl import Repl
 from stcore import cache
 
 
@@ -150,6 +152,15 @@ def test_list_and_vars(prompt):
     assert prompt("vars N").splitlines()[1].split() == ["PLC_PRG.n", "0", "INT"]
 
 
+def test_a_snapshot_is_of_a_plc_that_is_well(tmp_path, capsys):
+    repl = Repl(PLC.load("PROGRAM P\nVAR n, d : INT := 1; END_VAR\nn := 10 / d;\nEND_PROGRAM"))
+    for line in ("step", "d := 0", "step", "save bad", "back", "d", "step"):
+        repl.handle(line)
+    said = capsys.readouterr().out.splitlines()
+    assert any("not kept" in line for line in said)
+    assert "1 scans, 0.001 s" in said
+
+
 def test_a_fault_leaves_the_session_alive(prompt):
     prompt("lim := 0")
     text = prompt("arr[n + 4]")
@@ -216,9 +227,6 @@ def test_a_variable_wins_over_an_abbreviation(prompt):
 
 
 def test_a_variable_that_is_called_as_a_command(tmp_path, capsys):
-    from plcruntime import PLC
-    from plcruntime.repl import Repl
-
     repl = Repl(PLC.load("PROGRAM P\nVAR step, run : INT; END_VAR\nrun := step;\nEND_PROGRAM"))
     for line in ("step := 4", "step + 1", "step", "print run"):
         repl.handle(line)
