@@ -36,7 +36,8 @@ COMMANDS: dict[str, str] = {
     "GT_AlarmOff": "int", "GT_AlarmOn": "int", "GT_LmtsOn": "int int", "GT_LmtsOff": "int int",
     "GT_ProfileScale": "int int int", "GT_EncScale": "int int int", "GT_StepDir": "int", "GT_StepPulse": "int",
     "GT_SetMtrBias": "int int", "GT_GetMtrBias": "int INT", "GT_SetMtrLmt": "int int", "GT_GetMtrLmt": "int INT",
-    "GT_EncSns": "int", "GT_EncOn": "int", "GT_EncOff": "int", "GT_SetPosErr": "int int", "GT_GetPosErr": "int DINT",
+    "GT_LmtSns": "int", "GT_EncSns": "int", "GT_EncOn": "int", "GT_EncOff": "int",
+    "GT_SetPosErr": "int int", "GT_GetPosErr": "int DINT",
     "GT_SetStopDec": "int double double", "GT_GetStopDec": "int LREAL LREAL", "GT_CtrlMode": "int int",
 }  # fmt: skip
 NUMBER = {name: n for n, name in enumerate(COMMANDS, 1)}

@@ -198,3 +198,31 @@ def test_state_after_reset(axis):
     other = axis.plc.axes[2]
     other.drive.alarm = other.switches.positive = True
     assert axis.status & LATCHED == 0
+
+
+def test_limit_switches_that_trigger_at_low_level():
+    """Bits 2(n-1) and 2(n-1)+1 of GT_LmtSns: positive and negative limit of axis n; 1 low level."""
+    plc = PLC.load("""
+PROGRAM PLC_PRG
+VAR job, rtn : INT; sense : UINT; sts : ARRAY[1..12] OF DINT; END_VAR
+CASE job OF
+    1: rtn := GT_LmtSns(sense);
+    2: rtn := GT_ClrSts(1, 12);
+    3: rtn := GT_Reset();
+END_CASE
+job := 0;
+GT_GetSts(1, ADR(sts), 12);
+END_PROGRAM""")
+
+    def do(job: int, sense: int = 0) -> list[int]:
+        plc["PLC_PRG.sense"], plc["PLC_PRG.job"] = sense, job
+        plc.scan(3)
+        assert plc["PLC_PRG.rtn"] == 0
+        return plc["PLC_PRG.sts"]
+
+    assert do(1, 0x8009) == [POSITIVE, NEGATIVE, 0, 0, 0, 0, 0, NEGATIVE] + [0] * 4
+    plc.axes[1].switches.positive = plc.axes[2].switches.negative = plc.axes[8].switches.negative = True
+    assert do(2) == [0] * 12  # the wires carry a level again
+    plc.axes[1].switches.negative = True  # as before: high level
+    assert do(2) == [NEGATIVE] + [0] * 11
+    assert do(3) == [POSITIVE | NEGATIVE, NEGATIVE, 0, 0, 0, 0, 0, NEGATIVE] + [0] * 4  # high level again

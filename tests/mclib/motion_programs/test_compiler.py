@@ -125,6 +125,15 @@ def test_the_commands_are_those_of_the_library():
                 assert kind == "LREAL", name
 
 
+COORDINATES = {"GT_CrdStatus", "GT_CrdStart", "GT_GetCrdVel", "GT_SetOverride", "GT_CrdSpace"}  # of the advanced manual
+
+
+def test_table_10_2(manuals):
+    text = (manuals / "ideabox3.txt").read_text(encoding="utf-8").splitlines()
+    table = set(re.findall(r"GT_\w+", "\n".join(text[5381:5447])))
+    assert len(table) == 86 and table - set(commands.COMMANDS) == COORDINATES
+
+
 def test_the_call_of_the_interpreter_is_what_the_table_makes():
     types = {name: inputs(name) for name in commands.COMMANDS if name not in commands.OWN}
     made = Path(mclib.LIBRARY / "motion/GtMotionCall.st").read_text(encoding="utf-8")
