@@ -233,12 +233,16 @@ class Declarer:
 
     def _var(self, decl: s.VarDecl, section: s.VarSection, pou: Pou | None) -> Var:
         enum_name = f"{pou.name}.{decl.name}" if pou else decl.name
-        kind = self.type(decl.type, enum_name, pou)
+        later = section.kind == "VAR_IN_OUT" and self.project.declaring and isinstance(decl.type, s.NamedType)
+        later = later and self._is_open(decl.type, pou)  # an address: the block it leads to may hold this one
+        kind = t.ERROR if later else self.type(decl.type, enum_name, pou)
         q = section.qualifiers
         var = Var(
             decl.name, kind, "this", section=section.kind, constant="CONSTANT" in q, retain="RETAIN" in q,
             persistent="PERSISTENT" in q, owner=pou, decl=decl, source=self.source, library=self.library,
         )  # fmt: skip
+        if later:
+            self.project.postponed.append(lambda: self._type_later(var, decl, pou))
         var.also = key(decl.attributes.get("also", ""))
         var.init = self.initial(decl, pou)
         if var.constant:
@@ -246,6 +250,12 @@ class Declarer:
         if isinstance(kind, t.Array) and not kind.bounds and section.kind != "VAR_IN_OUT":
             self.error("E0207", decl, name=decl.name)
         return var
+
+    def _type_later(self, var: Var, decl: s.VarDecl, pou: Pou) -> None:
+        var.type = self.type(decl.type, pou=pou)
+        field = pou.type.members.get(key(var.name)) if pou.type is not None else None
+        if field is not None:
+            field.type = var.type
 
     # -------------------------------------------------------------------------------------------- POUs
 

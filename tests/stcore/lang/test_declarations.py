@@ -71,3 +71,16 @@ def test_constants_may_use_those_further_down():
 def test_a_constant_declared_twice_is_one_error():
     found = errors("PROGRAM P VAR CONSTANT a : INT := b; b : INT := 1; b : INT := 2; END_VAR END_PROGRAM")
     assert [(d.code, d.column) for d in found] == [("E0201", 52)]
+
+
+CHILD = """FUNCTION_BLOCK Child VAR_IN_OUT p : Parent; END_VAR VAR_INPUT k : INT; END_VAR p.sum := p.sum + k;
+END_FUNCTION_BLOCK
+"""
+PARENT = """FUNCTION_BLOCK Parent VAR a, b : Child; sum : INT; END_VAR a(p := THIS^, k := 3); b(p := THIS^, k := 4);
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.mark.parametrize("units", [CHILD + PARENT, PARENT + CHILD], ids=["child", "parent"])
+def test_a_block_may_be_given_the_block_that_holds_it(units):
+    assert run("p(); p(); x := p.sum;", "p : Parent; x : INT;", units)["x"] == 14
