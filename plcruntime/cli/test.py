@@ -82,7 +82,7 @@ def _once(arguments: argparse.Namespace, chosen: Selection) -> int:
         print(f"\n{path}: can't be compiled\n{text}")
     failed = sum(not r.passed for r in results)
     counts = [f"{failed} failed"] if failed else []
-    counts += [f"{len(broken)} files with errors"] if broken else []
+    counts += [f"{len(broken)} file{'s' if len(broken) > 1 else ''} with errors"] if broken else []
     counts += [f"{len(results) - failed} passed"]
     print(f"\n{', '.join(counts)} in {time.perf_counter() - began:.2f} s", flush=True)
     try:

@@ -203,7 +203,9 @@ class Calls(Expressions):
         for name, any_type in names.items():
             kind = bindings.get(name)
             if kind is None or not _is_any(kind, key(any_type)):
-                self.error("E0407", node, name=pou.name, wanted=any_type, given=kind or "nothing")
+                parts = isinstance(kind, t.Array | t.Struct)
+                hint = f"name its {'elements' if isinstance(kind, t.Array) else 'members'} one by one" if parts else ""
+                self.error("E0407", node, name=pou.name, wanted=any_type, given=kind or "nothing", hint=hint)
                 return None
             if isinstance(kind, t.String):
                 bindings[name] = t.String(max(kind.length, 255), kind.wide)

@@ -193,7 +193,7 @@ def test_exit_codes(folder, capsys):
     (folder / "test_a.st").write_text("{attribute 'test'}\nFUNCTION f : BOOL\nf := y;\nEND_FUNCTION\n")
     assert main(["test"]) == 1
     out = capsys.readouterr().out
-    assert "E0301" in out and "1 files with errors" in out
+    assert "E0301" in out and "1 file with errors" in out
 
 
 def test_junit(folder, capsys):
@@ -242,3 +242,15 @@ def test_the_tests_of_the_page_pass(tmp_path):
     (tmp_path / "test_page.st").write_text(page.split("```iecst\n")[1].split("```")[0])
     file = TestFile(tmp_path / "test_page.st")
     assert [file.run(t).message for t in file.tests] == ["", ""]
+
+
+def test_arrays_and_structures_are_compared_by_their_parts(folder, capsys):
+    (folder / "test_parts.st").write_text(
+        "TYPE P : STRUCT x : INT; END_STRUCT END_TYPE\n{attribute 'test'}\nFUNCTION test_parts : BOOL\n"
+        "VAR a : ARRAY[1..2] OF INT; p : P; END_VAR\nASSERT_EQ(a, a);\nASSERT_EQ(p, p);\nASSERT_EQ(p.x, a[1]);\n"
+        "END_FUNCTION\n"
+    )
+    assert main(["test", "test_parts.st"]) == 1
+    out = capsys.readouterr().out
+    assert "test_parts.st:5:1: error E0407: ASSERT_EQ takes ANY_ELEMENTARY, not ARRAY[1..2] OF INT" in out
+    assert "name its elements one by one" in out and "name its members one by one" in out and ":7:" not in out
