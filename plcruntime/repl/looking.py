@@ -30,7 +30,7 @@ class Looking:
         stop = self.debugger.stop
         if stop is None:
             state = "in its exception state, " if self.plc.fault else ""
-            self.session.say(f"{state}between two scans: {self.plc.scans} scans, {self.session.time()}")
+            self.session.say(f"{state}between two scans: {self.session.progress()}")
             return
         self.session.say(f"{stop.instance}, {stop.site.file}:{stop.site.line}, call depth {stop.depth}")
         self.session.say(f"in scan {self.plc.scans}, {self.session.time()}")

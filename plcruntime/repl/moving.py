@@ -120,7 +120,7 @@ class Moving:
                 self.session.say("no breakpoints; break POU:LINE sets one")
             for p in points.points.values():
                 extra = f" if {p.condition}" if p.condition else ""
-                self.session.say(f"{p.number}: {p.pou}:{p.line}{extra}, hit {p.hits} times")
+                self.session.say(f"{p.number}: {p.pou}:{p.line}{extra}, hit {p.hits} time{'s' if p.hits != 1 else ''}")
             return
         match = re.fullmatch(r"([^:\s]+)?\s*:?\s*(\d+)?(?:\s+if\s+(.+))?", rest, re.S | re.I)
         if not match or not (match[1] or match[2]):
@@ -178,7 +178,7 @@ class Moving:
         if self.plc.fault:
             raise UsageError("a PLC in its exception state is not kept; back leads to the scan before")
         store.save(self.plc, rest)
-        self.session.say(f"saved {rest}: {self.plc.scans} scans, {self.session.time()}")
+        self.session.say(f"saved {rest}: {self.session.progress()}")
 
     def do_load(self, rest: str) -> None:
         if not rest:

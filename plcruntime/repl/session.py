@@ -80,7 +80,7 @@ class Session:
     def stopped(self, word: str = "") -> None:
         """Between two scans."""
         self.show_warnings()
-        self.say(f"{word + ': ' if word else ''}{self.plc.scans} scans, {self.time()}")
+        self.say(f"{word + ': ' if word else ''}{self.progress()}")
         self.show_watched()
 
     def show_warnings(self) -> None:
@@ -99,6 +99,10 @@ class Session:
         else:
             place = f" ({fault.file}:{fault.line})" if Path(fault.file).is_file() else ""
             self.say(f"fault {fault.code}: {fault.message}{place}")
+
+    def progress(self) -> str:
+        """How far the PLC is: 5 scans, 0.005 s."""
+        return f"{self.plc.scans} scan{'s' if self.plc.scans != 1 else ''}, {self.time()}"
 
     def time(self) -> str:
         return f"{self.plc.time:.9g} s"

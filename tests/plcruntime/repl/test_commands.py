@@ -21,7 +21,7 @@ def test_any_st_may_be_typed(prompt):
 
 
 def test_step_run_until(prompt):
-    assert prompt("step") == "1 scans, 0.001 s"
+    assert prompt("step") == "1 scan, 0.001 s"
     assert prompt("s 4") == "5 scans, 0.005 s"
     assert prompt("run 10ms") == "15 scans, 0.015 s"
     assert prompt("run #5") == "20 scans, 0.02 s"
@@ -64,7 +64,7 @@ def test_what_is_typed_is_repeated_when_going_back(prompt):
 def test_watch(prompt):
     assert prompt("watch n") == "  n = 0"
     assert prompt("watch acc.sum * 2") == "  acc.sum * 2 = 0"
-    assert prompt("step") == "1 scans, 0.001 s\n  n = 1\n  acc.sum * 2 = 8"
+    assert prompt("step") == "1 scan, 0.001 s\n  n = 1\n  acc.sum * 2 = 8"
     assert prompt("unwatch n") == ""
     assert prompt("watch") == "  acc.sum * 2 = 8"
     assert "not watched" in prompt("unwatch n")
@@ -158,7 +158,7 @@ def test_a_snapshot_is_of_a_plc_that_is_well(tmp_path, capsys):
         repl.handle(line)
     said = capsys.readouterr().out.splitlines()
     assert any("not kept" in line for line in said)
-    assert "1 scans, 0.001 s" in said
+    assert "1 scan, 0.001 s" in said
 
 
 def test_a_fault_leaves_the_session_alive(prompt):
@@ -217,7 +217,7 @@ def test_a_wrong_command_gets_one_sentence_and_the_session_goes_on(prompt, line,
     assert said in text
     assert "Traceback" not in text
     assert len(text.splitlines()) == 1
-    assert prompt("step") == "1 scans, 0.001 s"
+    assert prompt("step") == "1 scan, 0.001 s"
 
 
 def test_a_variable_wins_over_an_abbreviation(prompt):
@@ -230,7 +230,7 @@ def test_a_variable_that_is_called_as_a_command(tmp_path, capsys):
     repl = Repl(PLC.load("PROGRAM P\nVAR step, run : INT; END_VAR\nrun := step;\nEND_PROGRAM"))
     for line in ("step := 4", "step + 1", "step", "print run"):
         repl.handle(line)
-    assert capsys.readouterr().out.splitlines() == ["5", "1 scans, 0.001 s", "4"]
+    assert capsys.readouterr().out.splitlines() == ["5", "1 scan, 0.001 s", "4"]
 
 
 def test_the_beginning_of_a_command_is_enough(prompt):

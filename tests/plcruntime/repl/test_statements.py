@@ -14,7 +14,7 @@ def test_next_goes_over_calls(prompt):
         "n := n + 1;", "acc(d := 2);", "blocks[2](d := n);", "wait(IN := TRUE, PT := T#10ms);", "IF n > lim THEN",
     ]  # fmt: skip
     assert prompt("next").endswith("p.x := p.x + 0.5;")
-    assert prompt("next") == "1 scans, 0.001 s"
+    assert prompt("next") == "1 scan, 0.001 s"
 
 
 def test_into_and_out_of_blocks_and_functions(prompt):
@@ -46,7 +46,7 @@ def test_breakpoint_with_condition(prompt, line_of):
     assert text.startswith("breakpoint 1: PLC_PRG.acc (Acc), in scan 8, 0.008 s")
     assert prompt("sum") == "32"
     assert prompt("PLC_PRG.n") == "9"
-    assert prompt("break").endswith("hit 1 times")
+    assert prompt("break").endswith("hit 1 time")
     assert prompt("continue").startswith("breakpoint 1: PLC_PRG.acc (Acc), in scan 9")
     prompt("delete 1")
     assert prompt("step 5") == "14 scans, 0.014 s"
@@ -100,7 +100,7 @@ def test_a_fault_while_stepping(prompt, line_of):
     prompt.all(f"break Acc:{line_of('tmp := ')}", "continue", "delete")
     prompt("PLC_PRG.arr[1] := 5")
     assert "F0101" in prompt("PLC_PRG.arr[sum + 9]")
-    assert prompt("step").startswith("1 scans")
+    assert prompt("step").startswith("1 scan")
 
 
 def test_probed_and_plain_runs_end_in_the_same_image(source):
@@ -127,7 +127,7 @@ def test_a_typed_loop_that_does_not_end_is_broken_off_and_undone(source, capsys)
         repl.handle(line)
     said = capsys.readouterr().out.splitlines()[-4:]
     assert "F0108" in said[0]
-    assert said[1:] == ["10", "1 scans, 0.001 s", "1"]
+    assert said[1:] == ["10", "1 scan, 0.001 s", "1"]
     repl.session.close()
 
 
@@ -145,7 +145,7 @@ def test_a_loop_that_does_not_end_is_a_fault_while_there_are_breakpoints(tmp_pat
 def test_a_changed_source_is_refused(prompt, source):
     source.write_text(source.read_text().replace("lim : INT := 10", "lim : INT := 11"))
     assert "has changed" in prompt("next")
-    assert prompt("step") == "1 scans, 0.001 s"
+    assert prompt("step") == "1 scan, 0.001 s"
 
 
 def test_the_variables_of_both_builds_of_a_motion_program_lie_alike():
