@@ -22,6 +22,7 @@ _NEXT = """
 
   scancycle run {file} --for 5s --watch position,step --plot moves.html
   scancycle run {file} --until "PLC_PRG.step = 4" --trace moves.csv
+  scancycle repl {file}    step through it; there: axes live
   scancycle list GT_*                        what the library has
   scancycle check my.st                      all mistakes of a file of yours, in one pass
   scancycle run my.st --set start=TRUE@1s    run it, with an input set at a time
