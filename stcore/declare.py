@@ -78,7 +78,11 @@ class Declarer:
         upper = t.ALIASES.get(upper, upper)
         if upper in t.ELEMENTARY and t.ELEMENTARY[upper].kind != "literal":
             return t.ELEMENTARY[upper]
-        symbol = self.project.lookup(node.name.rpartition(".")[2], self.library)
+        name = node.name.rpartition(".")[2]
+        symbol = self.project.lookup(name, self.library)
+        if symbol is None and (meant := self._respelt(name)):
+            symbol = self.project.lookup(meant, self.library)
+            self.error("W0130", node, name=node.name, meant=meant)
         if isinstance(symbol, TypeName):
             return symbol.type
         if isinstance(symbol, Pou) and symbol.type is not None:
@@ -89,6 +93,11 @@ class Declarer:
             known = [n for n in t.ELEMENTARY if not n.startswith("ANY")] + self.project.known_names(self.library)
             self.error("E0202", node, name=node.name, near=near(node.name, known))
         return t.ERROR
+
+    def _respelt(self, name: str) -> str | None:
+        """The type that a manual of a library prints with this name."""
+        spellings = {key(printed): meant for printed, meant in self.project.spellings().items()}
+        return spellings.get(key(name))
 
     def _pointer(self, node: s.PointerTo | s.ReferenceTo, pou: Pou | None) -> t.Pointer:
         """What it points to may lead back to the type that is being declared: then it is filled in later."""

@@ -168,6 +168,7 @@ class Names(Conversions):
             var = pou.variables.get(name)
             if var is not None and var.storage == "area":
                 return self._use(node, var)
+            field = self._other_name(node, kind, pou.parameters)
         if field is None:
             known = [f.name for f in kind.members.values()]
             self.error("E0306", node, name=node.name, type=kind.name, near=near(node.name, known))
@@ -178,6 +179,12 @@ class Names(Conversions):
         if isinstance(field.type, t.Pointer) and field.type.reference:
             return self._follow(node)
         return node
+
+    def _other_name(self, node: s.Member, kind: t.Block, parameters: list[Var]) -> t.Field | None:
+        """The parameter of a block that has this name too, or that a misprint of it means."""
+        name = next((p.name for p in parameters if p.also == key(node.name)), None)
+        name = name or self.meant(node, node.name, [p.name for p in parameters])
+        return kind.members.get(key(name)) if name else None
 
     def part(self, node: s.Part) -> s.Node:
         node.base = base = self.value(node.base)

@@ -1,4 +1,4 @@
-"""Values that are out of range, and the limits of an axis: Error and ErrorID by the manual's rule, and nothing moves."""
+"""Values out of range, and the limits of an axis: Error and ErrorID by the manual's rule, and nothing moves."""
 
 import pytest
 
@@ -7,8 +7,8 @@ MOVE = {"Velocity": 100.0, "Acceleration": 1000.0, "Deceleration": 1000.0, "Jerk
 BLOCKS = {
     "first": ({"Position": 100.0}, 201), "relative": ({"Distance": 100.0}, 226), "additive": ({"Distance": 100.0}, 251),
     "over": ({"Distance": 100.0}, 276), "velocity": ({}, 301),
-    "onward": ({"Position": 100.0}, 451), "further": ({"Distance": 100.0}, 426), "smcOnward": ({"Distance": 100.0}, 451),
-    "smcFurther": ({"Distance": 100.0}, 426),
+    "onward": ({"Position": 100.0}, 451), "further": ({"Distance": 100.0}, 426),
+    "smcOnward": ({"Distance": 100.0}, 451), "smcFurther": ({"Distance": 100.0}, 426),
 }  # fmt: skip
 # MC_MoveVelocity takes any velocity
 WRONG = [
