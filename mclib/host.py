@@ -103,6 +103,7 @@ def bind_axes(plc) -> None:
     for address, n in numbers:
         axis = simulated.address + (n - low) * element.size
         struct.pack_into("<h", memory, address + ref_type.members["AXISNO"].offset, n)
+        struct.pack_into("<d", memory, address + ref_type.members["FTASKCYCLE"].offset, plc.interval)
         struct.pack_into("<B", memory, axis + used, 1)
         struct.pack_into("<h", memory, axis + number, n)
         struct.pack_into("<I", memory, axis + ref, address)

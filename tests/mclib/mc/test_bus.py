@@ -174,6 +174,36 @@ def test_objects_by_their_number(tmp_path, toml):
     assert write(plc, 4, 0x6099, 1, 0) == 140 and write(plc, 4, 0x6080, 0, 3e9) == 0
 
 
+def test_parameters_by_their_number(tmp_path):
+    """PLCopen's 1 to 17 and those that CODESYS numbers as members of AXIS_REF_SM3."""
+    (tmp_path / "prog.st").write_text(PROGRAM)
+    (tmp_path / "plc.toml").write_text("[project]\ninterval = '2ms'\n" + AXIS.replace("ethercat", "pulse"))
+    plc = PLC.load(tmp_path / "plc.toml")
+    plc.scan(5)
+    plc["X.fSWLimitPositive"], plc["X.fSWMaxVelocity"], plc["X.wDriveId"] = 70.0, 500.0, 7
+    give(plc, "move", Distance=40.0)
+    plc.run_until("move.Done")
+    plc.scan()
+    values = {
+        1: 40.0, 2: 70.0, 4: 0.0, 6: 0.0, 8: 500.0, 9: 500.0, 10: 0.0, 11: 0.0, 1000: 3.0, 1010: 1.0, 1012: 1.0,
+        1013: 100.0, 1015: 1.0, 1021: 7.0, 1025: 0.002, 1030: 0.0, 1051: 1.0, 1054: 1.0, 1100: 40.0, 1101: 40.0,
+    }  # fmt: skip
+    for number, value in values.items():
+        plc["read.ParameterNumber"] = number
+        plc.scan()
+        assert plc["read.Valid"] and plc["read.Value"] == value, number
+    for number, error in ((999, 130), (18, 130), (0, 130)):
+        plc["read.ParameterNumber"] = number
+        plc.scan()
+        assert plc["read.ErrorID"] == error
+    for number, value, error in ((3, -70.0, 0), (1051, 2.0, 91), (1, 5.0, 140), (8, 5.0, 140), (17, 9e5, 0)):
+        plc["write.Execute"] = False
+        plc.scan()
+        give(plc, "write", ParameterNumber=number, Value=value)
+        assert plc["write.ErrorID"] == error, number
+    assert plc["X.fSWLimitNegative"] == -70.0 and plc["X.fSWMaxJerk"] == 9e5
+
+
 def test_axes_of_plc_toml(tmp_path):
     toml = """
 [[axis]]
