@@ -162,5 +162,5 @@ def test_a_probed_build_does_what_the_plain_one_does(example):
     probed = PLC(program)
     for plc in (plain, probed):
         plc.scan(700)
-    end = plain.program.image_end
+    end = plain.program.state_end
     assert bytes(plain._machine.memory[1024:end]) == bytes(probed._machine.memory[1024:end])
