@@ -31,6 +31,7 @@ def collect(recording: Recording, sources: list[tuple[str, str]]) -> list[Event]
     """In the order of time; sources: (path, text) of the program's files."""
     files = [path for path, _ in sources]
     found = [*_stimuli(recording), *_commands(recording, files), *_blocks(recording), *_axes(recording)]
+    found += _warnings(recording, files)
     found += _fault(recording, files)
     found.sort(key=lambda e: e[0].time)
     for event, words in found:

@@ -174,3 +174,15 @@ def test_run_shows_them(tmp_path, capsys):
     (found,) = json.loads(capsys.readouterr().out)["diagnostics"]
     assert (found["code"], found["severity"], found["instance"]) == ("W0801", "warning", "PLC_PRG.move")
     assert (found["line"], found["scan"], found["time"]) == (11, 49, 0.049)
+
+
+def test_the_report_has_them_among_its_events(tmp_path):
+    pytest.importorskip("plotly")
+    from plcruntime.html_report import events
+
+    wrong = re.search(r"```iecst\n(.*?)\n```", PAGES[0].read_text(encoding="utf-8"), re.S)[1]
+    plc = PLC.load(wrong)
+    recording = plc.record()
+    plc.run("100ms")
+    found = [e for e in events.collect(recording, [("", wrong)]) if e.kind == "warning"]
+    assert [(e.time, e.text[:6]) for e in found] == [(0.049, "W0801:")]
