@@ -398,6 +398,7 @@ def test_ctrl_c(tmp_path, loop):
     env = {**os.environ, "PYTHONPATH": str(root)}
     script = (
         "import os, signal, sys, threading, time\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # in the background it is ignored
         "from plcruntime import engine\n"
         "from plcruntime.cli import main\n"
         "def press():\n"

@@ -331,6 +331,14 @@ def test_the_watchdog_ends_an_endless_loop():
     assert caught.value.code == "F0108"
 
 
+@pytest.fixture
+def ctrl_c():
+    """A shell lets what it starts in the background ignore Ctrl-C: here it counts."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def press_ctrl_c_when(condition):
     def wait():
         while not condition():
@@ -340,6 +348,7 @@ def press_ctrl_c_when(condition):
     threading.Thread(target=wait, daemon=True).start()
 
 
+@pytest.mark.usefixtures("ctrl_c")
 def test_ctrl_c_in_an_endless_loop(plc):
     plc.scan(3)
     plc["endless"] = True
@@ -354,6 +363,7 @@ def test_ctrl_c_in_an_endless_loop(plc):
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
+@pytest.mark.usefixtures("ctrl_c")
 def test_ctrl_c_in_a_run_stops_at_a_boundary(plc):
     press_ctrl_c_when(lambda: plc.scans > 100)
     with pytest.raises(KeyboardInterrupt):
@@ -364,6 +374,7 @@ def test_ctrl_c_in_a_run_stops_at_a_boundary(plc):
     assert plc.scans == before + 1
 
 
+@pytest.mark.usefixtures("ctrl_c")
 def test_ctrl_c_in_a_model(plc):
     @plc.on_scan
     def hang():
