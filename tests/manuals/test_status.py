@@ -24,6 +24,13 @@ def test_3_1_reads_the_status_and_checks_what_is_returned():
     assert plc["PLC_PRG.sts"] == 0xA62 and plc["PLC_PRG.rtn"] == 0
 
 
+def test_a_listing_alone_has_the_librarys_commandhandler():
+    text = (LISTINGS / "02_check_return_value.st").read_text(encoding="utf-8").replace("(1,1,", "(1,13,")
+    plc = PLC.load(text)
+    plc.scan()
+    assert plc["PLC_PRG.rtn"] == 7 and plc["GtErrorText.text"] == "GT_GetSts = 7"
+
+
 def test_4_2_limits_off_from_the_next_clearing_on():
     plc = load("04_lmts_off.st")
     plc.scan()
