@@ -20,8 +20,8 @@ WORDS = 1 << 16  # of a row at most
 MOST = 1 << 16  # times that 16 rows are searched
 LINE = 64  # bytes of the processor's cache
 
-# The control words, UDINT each: at 0 the address of a table of (UDINT address, UDINT bytes) and that of its end, at 20 the
-# bytes of a row, at 32 the bytes of the buffer that 16 more rows may need, and
+# The control words, UDINT each: at 0 the address of a table of (UDINT address, UDINT bytes) and that of its end, at 20
+# the bytes of a row, at 32 the bytes of the buffer that 16 more rows may need, and
 ROWS = 8  # address of the copied rows (in front of them lies the one before), of the next row, of the end of the 16th
 FOUND = 24  # address of the next value and, above which there is none, of the next header
 SEARCHED = 36  # so many times 16 rows since the host looked
