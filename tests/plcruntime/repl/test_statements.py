@@ -117,7 +117,7 @@ def test_probed_and_plain_runs_end_in_the_same_image(source):
         outcome = debugger.run(500 - probed.scans)
     assert stops > 0
     assert probed.scans == 500
-    end = plain.program.image_end
+    end = plain.program.state_end
     assert bytes(plain._machine.memory[1024:end]) == bytes(probed._machine.memory[1024:end])
 
 
