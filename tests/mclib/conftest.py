@@ -1,8 +1,13 @@
-"""One axis under every block, its inputs set from Python; after every scan the rules that always hold are checked."""
+"""One axis under every block, its inputs set from Python; after every scan the rules that always hold are checked.
 
+Every PLC that a test of this folder or one below it loads is watched besides (`Watch`).
+"""
+
+import numpy as np
 import pytest
 
 from plcruntime import PLC
+from stcore import paths
 
 PROGRAM = """
 PROGRAM PLC_PRG
@@ -107,3 +112,118 @@ class Bench:
 @pytest.fixture
 def bench():
     return Bench()
+
+
+ENDS = ("Done", "Busy", "Error", "CommandAborted")
+MEMBERS = ("Execute", *ENDS, "ErrorID", "Active", "order.result", "link.order.result")
+AXIS = ("prfPos", "shifted", "prfVel", "prfAcc", "drive.enabled", "state")
+HOMING = 7
+FEW = 50  # rows
+TYPES = {"ErrorID": "<i2", "result": "<i2", "state": "<i2"} | dict.fromkeys(AXIS[:4], "<f8")  # the others are BOOL
+
+
+class Watch:
+    """A trace of a PLC's motion blocks and axes; check() says what is against the rules."""
+
+    def __init__(self, plc) -> None:
+        self.plc = plc
+        small, _ = paths.small_places(plc.program, 64)
+        names = {place.name.upper(): place.name for place in small}
+        self.blocks = {}
+        for upper, name in names.items():
+            prefix = name.rpartition(".")[0]
+            if upper.endswith(".BUSY") and f"{prefix}.ErrorID".upper() in names and not name.startswith("SIM."):
+                self.blocks[prefix] = [m for m in MEMBERS if f"{prefix}.{m}".upper() in names]
+        self.axes = range(1, 1 + sum(upper.endswith(".WAXISSTRUCTID") for upper in names))
+        columns = [f"{prefix}.{m}" for prefix, members in self.blocks.items() for m in members]
+        columns += [f"SIM.Axis[{n}].{m}" for n in self.axes for m in AXIS]
+        self.trace = plc.trace(*columns) if self.blocks else None
+
+    def check(self) -> list[str]:
+        if self.trace is None or not len(self.trace):
+            return []
+        self.rows = Rows(self.trace)
+        # a scan follows the one before: not after a restart, a step back or a restored snapshot
+        self.follows = np.concatenate([np.arange(s.rows) > 0 for s in self.trace.segments if s.rows])
+        found = [wrong for name, members in self.blocks.items() for wrong in self._outputs(name, members)]
+        return found + [wrong for n in self.axes for wrong in self._motion(n)]
+
+    def _outputs(self, name: str, members: list[str]):
+        """At most one of Done, Busy, Error, CommandAborted; an error has a number; what is Active is Busy."""
+        get = {m: self.rows[f"{name}.{m}"] for m in members}
+        ends = [m for m in ENDS if m in get]
+        if "Execute" in get:  # a block with Enable may be Busy with an error that ends by itself
+            yield from self._never(sum(get[m].astype(int) for m in ends) > 1, f"{name}: more than one of {ends}")
+        yield from self._never(get["Error"] != (get["ErrorID"] != 0), f"{name}: Error and ErrorID")
+        if "Active" in get and "Done" in get:
+            # MC_Stop is Active and Done while it holds the axis
+            yield from self._never(get["Active"] & ~(get["Busy"] | get["Done"]), f"{name}: Active, but not Busy")
+        if {"Execute", "Done", "CommandAborted"} <= get.keys():
+            rose = np.concatenate(([False], get["Execute"][1:] & ~get["Execute"][:-1])) & self.follows
+            said = sum(get[m].astype(int) for m in ends) == 1
+            # in the scan of the edge or, where the program has called the block before it set Execute, in the next
+            late = np.concatenate((said[1:], [True]))
+            yield from self._never(rose & ~said & ~late, f"{name}: Execute has risen and no output is TRUE")
+
+    def _motion(self, n: int):
+        """The planned position goes on from where it was, by what the planned velocity says, but for what was set."""
+        get = {m: self.rows[f"SIM.Axis[{n}].{m}"] for m in AXIS}
+        way = np.diff(get["prfPos"] - get["shifted"])
+        v, a = get["prfVel"], np.abs(get["prfAcc"])
+        dt = self.plc.interval * 1000
+        low, high = np.minimum(v[1:], v[:-1]) * dt, np.maximum(v[1:], v[:-1]) * dt
+        # the velocity may have its peak within the scan; prfAcc knows nothing of a phase that is shifted meanwhile
+        slack = np.maximum(a[1:], a[:-1]) * dt * dt + (high - low) + 0.005
+        jumped = (way < low - slack) | (way > high + slack)
+        on = get["drive.enabled"]
+        calm = on[1:] & on[:-1] & (get["state"][1:] != HOMING) & (get["state"][:-1] != HOMING) & self.follows[1:]
+        yield from self._never(np.concatenate(([False], jumped & calm)), f"axis {n}: its position jumped")
+
+    def _never(self, rows, what: str):
+        if rows.any():
+            yield f"{what} (first in row {int(np.flatnonzero(rows)[0])} of {len(rows)})"
+
+
+class Rows:
+    """The columns of a trace, quick where each scan was a call of its own: those rows are stacked once."""
+
+    def __init__(self, trace) -> None:
+        self.index = {name.upper(): i for i, name in enumerate(trace.names)}
+        self.parts = []  # a stack of rows with their offsets, or a segment of many rows
+        for segment in (s for s in trace.segments if s.rows):
+            if segment.rows > FEW:
+                self.parts.append(segment)
+                continue
+            images = [np.frombuffer(bytes(i), np.uint8) for i in segment.images()]
+            last = self.parts[-1] if self.parts else None
+            if isinstance(last, tuple) and last[0] == segment.offsets:
+                last[1].extend(images)
+            else:
+                self.parts.append((segment.offsets, images))
+        self.parts = [(p[0], np.stack(p[1])) if isinstance(p, tuple) else p for p in self.parts]
+
+    def __getitem__(self, name: str):
+        i, dtype = self.index[name.upper()], np.dtype(TYPES.get(name.rpartition(".")[2], "?"))
+        columns = []
+        for part in self.parts:
+            if isinstance(part, tuple):
+                bytes_ = part[1][:, part[0][i] : part[0][i] + dtype.itemsize]
+                columns.append(np.ascontiguousarray(bytes_).view(dtype)[:, 0])
+            else:
+                columns.append(part.column(i, dtype))
+        return np.concatenate(columns)
+
+
+@pytest.fixture(autouse=True)
+def rules(monkeypatch):
+    """Every PLC that a test loads is watched: the rules of Watch hold in every scan."""
+    watched, load = [], PLC.load.__func__
+
+    def watching(cls, *arguments, **options):
+        plc = load(cls, *arguments, **options)
+        watched.append(Watch(plc))
+        return plc
+
+    monkeypatch.setattr(PLC, "load", classmethod(watching))
+    yield
+    assert not [wrong for watch in watched for wrong in watch.check()]

@@ -1,0 +1,114 @@
+"""Blocks that never change the state of an axis (PLCopen Part 1, figure 2, the list below it): each in every state."""
+
+import pytest
+
+from plcruntime import PLC
+
+EXECUTE = {
+    "setPosition": ("MC_SetPosition", "Position := 5"),
+    "probe": ("MC_TouchProbe", "TriggerInput := trigger"),
+    "abort": ("MC_AbortTrigger", "TriggerInput := trigger"),
+    "select": ("MC_CamTableSelect", ""),
+    "phase": ("MC_PhasingAbsolute", "PhaseShift := 1, Velocity := 10, Acceleration := 1000, Deceleration := 1000"),
+    "shift": ("MC_PhasingRelative", "PhaseShift := 1, Velocity := 10, Acceleration := 1000, Deceleration := 1000"),
+    "haltOver": ("MC_HaltSuperimposed", "Deceleration := 1000"),
+    "write": ("MC_WriteParameter", "ParameterNumber := 2, Value := 900"),
+    "writeBool": ("MC_WriteBoolParameter", "ParameterNumber := 5, Value := FALSE"),
+}
+ENABLE = {
+    "override": ("MC_SetOverride", "VelFactor := 0.9"),
+    "cams": ("MC_DigitalCamSwitch", "Switches := switches, Outputs := outs, TrackOptions := tracks"),
+    "read": ("MC_ReadParameter", "ParameterNumber := 1"),
+    "readBool": ("MC_ReadBoolParameter", "ParameterNumber := 4"),
+    "position": ("MC_ReadActualPosition", ""),
+    "speed": ("MC_ReadActualVelocity", ""),
+    "torque": ("MC_ReadActualTorque", ""),
+    "status": ("MC_ReadStatus", ""),
+    "fault": ("MC_ReadAxisError", ""),
+    "info": ("MC_ReadAxisInfo", ""),
+    "motion": ("MC_ReadMotionState", ""),
+}
+AXES = {"phase": "Master := master, Slave := ax", "shift": "Master := master, Slave := ax",
+        "select": "Master := master, Slave := ax, CamTable := table"}  # fmt: skip
+CALLS = "".join(
+    f"{n}({AXES.get(n, 'Axis := ax')}{', ' if extra else ''}{extra});\n" for n, (_, extra) in (EXECUTE | ENABLE).items()
+)
+MOVE = "Velocity := 100, Acceleration := 1000, Deceleration := 1000"
+PROGRAM = f"""
+PROGRAM P
+VAR
+    ax, master : AXIS_REF_SM3; power, power2 : MC_Power; on : BOOL := TRUE;
+    move : MC_MoveAbsolute; run : MC_MoveVelocity; stop : MC_Stop; gear : MC_GearIn; home : MC_Home;
+    trigger : TRIGGER_REF := (iTriggerNumber := 0); table : MC_CAM_REF := (nElements := 2);
+    switches : MC_CAMSWITCH_REF; outs : MC_OUTPUT_REF; tracks : MC_TRACK_REF;
+    {" ".join(f"{n} : {block};" for n, (block, _) in (EXECUTE | ENABLE).items())}
+END_VAR
+table.Element[2].dX := 100;
+power(Axis := ax, Enable := TRUE, bRegulatorOn := on, bDriveStart := TRUE);
+power2(Axis := master, Enable := TRUE, bRegulatorOn := TRUE, bDriveStart := TRUE);
+move(Axis := ax, Position := 1E6, {MOVE}); run(Axis := ax, {MOVE}); stop(Axis := ax, Deceleration := 100);
+gear(Master := master, Slave := ax, Acceleration := 1000, Deceleration := 1000); home(Axis := ax);
+{CALLS}
+END_PROGRAM
+"""
+NUMBERS = {"power_off": 0, "errorstop": 1, "stopping": 2, "standstill": 3, "discrete": 4, "continuous": 5,
+           "synchronized": 6, "homing": 7}  # fmt: skip
+STARTS = {"discrete": ("move",), "continuous": ("run",), "stopping": ("run", "stop"), "synchronized": ("gear",),
+          "homing": ("home",)}  # fmt: skip
+
+
+def brought(state: str) -> PLC:
+    """A PLC whose axis is in a state, and stays in it."""
+    plc = PLC.load(PROGRAM)
+    plc.scan(5)
+    if state == "homing":
+        plc["McHoming.Axis[1].drive.home.method"] = 17
+    for block in STARTS.get(state, ()):
+        plc[f"P.{block}.Execute"] = True
+        plc.scan(50)
+    if state == "power_off":
+        plc["P.on"] = False
+    plc.axes[1].drive.alarm = state == "errorstop"
+    plc.scan(3)
+    assert plc["P.ax.nAxisState"] == NUMBERS[state]
+    return plc
+
+
+@pytest.mark.parametrize("state", NUMBERS)
+def test_no_state_is_left(state):
+    plc = brought(state)
+    start = plc.snapshot()
+    for block in EXECUTE | ENABLE:
+        plc.restore(start)
+        plc[f"P.{block}.{'Execute' if block in EXECUTE else 'Enable'}"] = True
+        for _ in range(4):
+            plc.scan()
+            assert plc["P.ax.nAxisState"] == NUMBERS[state], block
+        members = plc[f"P.{block}"]
+        said = [o for o in ("Done", "Busy", "Error") if members.get(o)]
+        assert len(said) == 1, (block, said)
+        if block in ENABLE and not members["Error"]:
+            assert members.get("Valid", True) and members.get("Enabled", True), block
+
+
+def test_what_is_read_is_what_the_axis_has():
+    plc = brought("continuous")
+    plc.axes[1].drive.lag = 20.0
+    for block in ENABLE:
+        plc[f"P.{block}.Enable"] = True
+    for _ in range(30):
+        before = {m: plc[f"P.ax.{m}"] for m in ("fSetPosition", "fActPosition", "fActVelocity", "fActTorque")}
+        plc.scan()
+        assert plc["P.read.Value"] == before["fSetPosition"]
+        assert plc["P.position.Position"] == before["fActPosition"]
+        assert plc["P.speed.Velocity"] == before["fActVelocity"]
+        assert plc["P.torque.Torque"] == before["fActTorque"]
+    assert abs(before["fSetPosition"] - before["fActPosition"]) > 0.1  # the motor does lag
+    assert plc["P.status.ContinuousMotion"] and plc["P.motion.DirectionPositive"] and plc["P.info.PowerOn"]
+    plc["P.ax.bSWLimitEnable"] = True
+    plc["P.ax.fSWLimitPositive"] = 1e6
+    plc.scan()
+    assert plc["P.readBool.Value"]
+    plc["P.writeBool.Execute"] = True
+    plc.scan()
+    assert plc["P.writeBool.Done"] and not plc["P.ax.bSWLimitEnable"]
