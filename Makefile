@@ -13,13 +13,14 @@ ifneq ($(shell cat .venv/where 2>/dev/null),$(CURDIR))
 $(shell rm -f $(STAMP))
 endif
 
-.PHONY: help install demo test bench lint clean
+.PHONY: help install demo test bench docs lint clean
 
 help:
 	@echo "make demo     a move of an axis and its plot"
 	@echo "make test     all tests; make test ARGS='-k trap' some of them"
 	@echo "make install  only the environment: .venv/bin/scancycle"
 	@echo "make bench    our code against C; writes benchmarks/RESULTS.md"
+	@echo "make docs     the pages and charts of docs/blocks, docs/compliance.md"
 	@echo "make lint     ruff"
 	@echo "make clean    removes .venv"
 
@@ -45,6 +46,9 @@ test: install
 
 bench: install
 	@$(BIN)/python benchmarks/run.py $(ARGS)
+
+docs: install
+	@$(BIN)/python docs/make $(ARGS)
 
 lint: install
 	@$(BIN)/ruff check .
