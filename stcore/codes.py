@@ -118,6 +118,7 @@ CODES: dict[str, Code] = {
     "E0411": Code("{what} is {wanted}; a variable of {given} can't be connected"),
     "E0412": Code("{parameter} is an output", "write {parameter} => variable"),
     "W0401": Code("{what}: {given} is shorter than {wanted}"),
+    "W0402": Code("{name} is called without {missing}", "an input without an initial value of its own is 0 then"),
     # --- E05: statements
     "E0501": Code("{name} is not a REFERENCE TO"),
     "E0502": Code("{text} is not a statement"),

@@ -145,6 +145,9 @@ class Calls(Expressions):
         bound = self._match(node, pou)
         if bound is None:
             return self._skip(node) if not checked else self.wrong(node)
+        lacking = [p for p in pou.inputs() if p.section == "VAR_INPUT" and p not in bound and p.init is None]
+        if lacking and not checked:
+            self.warn("W0402", node, name=pou.name, missing=" and ".join(p.name for p in lacking))
         call = FunctionCall(pou, [], [])
         call.en, call.eno = self._enable(bound, pou)
         for parameter in pou.parameters:
