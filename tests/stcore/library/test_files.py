@@ -53,8 +53,8 @@ def test_all_functions_check():
         if not head or file.stem.startswith("__") or file.parent.name == "testing":
             continue
         name, generic, result = head.groups()
-        inputs = re.search(r"VAR_INPUT(.*?)END_VAR", text, re.S)
-        pairs = re.findall(r"^  (\w+(?:, \w+)*) : ([\w()]+);", inputs[1], re.M) if inputs else []
+        inputs = "".join(re.findall(r"VAR_IN(?:PUT|_OUT)(.*?)END_VAR", text, re.S))
+        pairs = re.findall(r"^  (\w+(?:, \w+)*) : ([\w()]+);", inputs, re.M)
         kinds = [kind for names, kind in pairs for _ in names.split(",")]
         for t in ("STRING", "WSTRING") if generic and not name.startswith(("STRING", "WSTRING")) else (None,):
             t = t or ("WSTRING" if name.startswith("W") else "STRING")
