@@ -91,8 +91,17 @@ def store(kind: str, key: str, data: bytes) -> None:
         part = path.with_name(f"{key}.{os.getpid()}.part")
         part.write_bytes(data)
         os.replace(part, path)
+        _prune_once()
     except OSError as error:
         _problem = f"the cache folder {cache_dir()} can't be written: {error.strerror or error}"
+
+
+@functools.cache
+def _prune_once() -> None:
+    """The first time that this process stores something."""
+    from stcore.prune import prune_daily
+
+    prune_daily(cache_dir())
 
 
 # -------------------------------------------------------------------------------------------------- syntax trees

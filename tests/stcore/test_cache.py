@@ -1,0 +1,54 @@
+"""The cache is kept small."""
+
+import os
+
+import pytest
+
+from stcore import cache, prune
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setenv("SCANCYCLE_CACHE", str(tmp_path))
+    cache._prune_once.cache_clear()
+    yield tmp_path
+    cache._prune_once.cache_clear()
+
+
+def age(path, seconds, now):
+    os.utime(path, (now - seconds, now - seconds))
+
+
+def test_what_was_stored_is_loaded(folder):
+    cache.store("tree", "abcd", b"data")
+    assert cache.load("tree", "abcd") == b"data"
+    assert cache.load("tree", "dcba") is None
+    assert (folder / prune.STAMP).exists()
+    assert not list(folder.rglob("*.part"))
+
+
+def test_what_is_unused_goes_once_a_day(folder):
+    cache.store("tree", "old", b"1")
+    old = cache._path("tree", "old")
+    now = (folder / prune.STAMP).stat().st_mtime
+    age(old, prune.UNUSED + 60, now)
+    prune.prune_daily(folder)
+    assert old.exists()  # the last look is not a day ago
+    age(folder / prune.STAMP, prune.DAY + 60, now)
+    cache.store("tree", "new", b"2")  # this process has looked already
+    assert old.exists()
+    cache._prune_once.cache_clear()
+    cache.store("tree", "newer", b"3")
+    assert not old.exists()
+    assert cache.load("tree", "new") == b"2"
+
+
+def test_the_oldest_goes_first(folder, monkeypatch):
+    monkeypatch.setattr(prune, "LIMIT", 1000)
+    now = 1_000_000_000.0
+    for i in range(11):
+        cache.store("build", f"b{i}", bytes(100))
+        age(cache._path("build", f"b{i}"), 100 * i, now)
+    prune.prune(folder, now)
+    left = sorted(p.name for p in folder.rglob("b*") if p.is_file())
+    assert left == [f"b{i}" for i in range(5)]
