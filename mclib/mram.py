@@ -11,7 +11,7 @@ import hashlib
 import os
 from pathlib import Path
 
-from stcore.cache import user_folder
+from stcore.cache import state_dir
 
 WORDS = 4096
 SIZE = 2 * WORDS  # bytes, words low byte first
@@ -67,10 +67,3 @@ def place(config: Path | None, files: list[str]) -> Path | None:
         folder = str(Path(files[0]).resolve().parent)
         return state_dir() / "mram" / f"{hashlib.sha256(folder.encode()).hexdigest()[:32]}.bin"
     return None
-
-
-def state_dir() -> Path:
-    """The folder for what is kept and can't be made anew; it may not exist yet."""
-    return user_folder(
-        "SCANCYCLE_STATE", mac="~/Library/Application Support", xdg="XDG_STATE_HOME", unix="~/.local/state"
-    )

@@ -38,6 +38,13 @@ def cache_dir() -> Path:
     return user_folder("SCANCYCLE_CACHE", mac="~/Library/Caches", xdg="XDG_CACHE_HOME", unix="~/.cache")
 
 
+def state_dir() -> Path:
+    """The folder for what is kept and can't be made anew; it may not exist yet."""
+    return user_folder(
+        "SCANCYCLE_STATE", mac="~/Library/Application Support", xdg="XDG_STATE_HOME", unix="~/.local/state"
+    )
+
+
 def user_folder(variable: str, *, mac: str, xdg: str, unix: str) -> Path:
     """A folder of this user: what the environment variable names, else the platform's place for such things."""
     if named := os.environ.get(variable):

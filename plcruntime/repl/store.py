@@ -1,4 +1,4 @@
-"""Snapshots by name, kept in the cache folder beside others of the same program."""
+"""Snapshots by name, kept in the folder for state beside others of the same program."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _MAGIC = b"scancycle snapshot 1\n"
 def _folder(plc: PLC) -> Path:
     """Of one program: a changed one does not see the snapshots of what it was."""
     variables = repr([(v.path, v.type.name, v.address) for v in plc.program.variables.values()])
-    return cache.cache_dir() / "snapshots" / cache.digest(plc.program.image, variables.encode())[:32]
+    return cache.state_dir() / "snapshots" / cache.digest(plc.program.image, variables.encode())[:32]
 
 
 def _file(plc: PLC, name: str) -> Path:

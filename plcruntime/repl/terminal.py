@@ -25,8 +25,8 @@ class _Completer(Completer):
 
 
 def _history(session: Session) -> History:
-    """In the cache folder; only for this session where that can't be written."""
-    file = cache.cache_dir() / "repl_history"
+    """In the folder for state; only for this session where that can't be written."""
+    file = cache.state_dir() / "repl_history"
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
         file.open("ab").close()

@@ -61,7 +61,7 @@ class Prompt:
 
 @pytest.fixture
 def source(tmp_path, monkeypatch):
-    monkeypatch.setenv("SCANCYCLE_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("SCANCYCLE_STATE", str(tmp_path / "state"))
     file = tmp_path / "prog.st"
     file.write_text(PROGRAM)
     return file

@@ -101,7 +101,7 @@ def test_snapshots_by_name(prompt, source):
     assert prompt("load five") == "loaded five: 5 scans, 0.005 s"
     assert prompt("n") == "5"
     assert "PLC_PRG.lim" in prompt("force")
-    file = next((cache.cache_dir() / "snapshots").rglob("five"))
+    file = next((cache.state_dir() / "snapshots").rglob("five"))
     data = bytearray(file.read_bytes())
     data[-3] ^= 1
     file.write_bytes(data)

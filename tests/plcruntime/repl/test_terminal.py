@@ -154,7 +154,7 @@ def open_terminal(kept):
     opened = []
 
     def begin(file) -> Terminal:
-        opened.append(Terminal(file, {"SCANCYCLE_CACHE": str(kept)}))
+        opened.append(Terminal(file, {"SCANCYCLE_STATE": str(kept)}))
         return opened[-1]
 
     yield begin
