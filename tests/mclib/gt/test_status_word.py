@@ -175,6 +175,21 @@ def test_in_position_is_off_after_reset_and_needs_rest_and_band(axis):
     assert not axis.status & ARRIVED
 
 
+@pytest.mark.parametrize("units, scans", [(0, 0), (4, 1), (5, 2), (8, 2), (9, 3)])
+def test_in_position_not_before_the_hold_time_is_over(axis, units, scans):
+    """The unit is 250 us (11.7); the status is seen once a millisecond."""
+    axis("GT_SetAxisBand(1, 10, 4)")
+    axis.sim.bandTime = units
+    axis.sim.offset = axis.sim.offset + 11.0
+    axis.plc.scan(3)
+    axis.sim.offset = axis.sim.offset - 11.0
+    axis.plc.scan()  # inside for the first time
+    for _ in range(scans):
+        assert not axis.sim.status & ARRIVED
+        axis.plc.scan()
+    assert axis.sim.status & ARRIVED
+
+
 def test_state_after_reset(axis):
     """Table 4-4."""
     for call in ("GT_SetStopDec(1, 7.0, 77.0)", "GT_ProfileScale(1, 4, 3)", "GT_EncScale(1, 3, 2)", "GT_EncSns(1)",
