@@ -266,3 +266,96 @@ def test_lines_and_wrong_tables(bench):
     bench.start("carry", Position=150.0)
     bench.until("carry.Done")
     assert bench["ax.fSetPosition"] == pytest.approx(100.0)
+
+
+def moves(bench) -> None:
+    """The slave has gone on by its velocity in each of some scans."""
+    for _ in range(5):
+        before, v = bench["ax.fSetPosition"], bench["ax.fSetVelocity"]
+        bench.scan()
+        assert bench["ax.fSetPosition"] - before == pytest.approx((v + bench["ax.fSetVelocity"]) / 2e3, abs=0.006)
+
+
+def test_a_gear_takes_the_slave_of_another_coupling_over(bench):
+    bench["ax.fSWMaxAcceleration"] = bench["ax.fSWMaxDeceleration"] = 5000.0
+    bench.start("run", Velocity=400.0)
+    bench.start("run3", 100, Velocity=100.0)
+    bench.start("gear", **GEAR)
+    bench.until("gear.InGear")
+    for block, other, velocity in (("combine", "gear", 500.0), ("gear", "combine", 400.0)):
+        bench.start(block, 2)
+        assert bench[f"{block}.Active"] and bench[f"{other}.CommandAborted"] and bench.state == "synchronized"
+        moves(bench)
+        bench.until(f"{block}.{'InSync' if block == 'combine' else 'InGear'}", 300)
+        moves(bench)
+        assert bench["ax.fSetVelocity"] == pytest.approx(velocity)
+
+
+def test_a_coupling_that_waits_begins_when_the_first_is_in_gear(bench):
+    bench["ax.fSWMaxAcceleration"] = bench["ax.fSWMaxDeceleration"] = 5000.0
+    bench.start("run", Velocity=400.0)
+    bench.start("run3", 100, Velocity=100.0)
+    bench.start("gear", 20, Acceleration=5000.0, RatioNumerator=2)
+    bench.start("combine", 5, BufferMode=1)
+    bench.start("halt", BufferMode=1)
+    moves(bench)
+    assert bench["gear.Active"] and bench["combine.Busy"] and not bench["combine.Active"]
+    assert not bench["gear.InGear"] and bench["ax.fSetVelocity"] < 800.0
+    bench.until("gear.CommandAborted", 200)
+    assert bench["ax.fSetVelocity"] == pytest.approx(800.0)
+    moves(bench)
+    assert bench["combine.Active"] and bench.outputs("gear") == "CommandAborted"
+    bench.until("combine.CommandAborted", 400)
+    assert bench["ax.fSetVelocity"] == pytest.approx(500.0, abs=11.0)
+    bench.until("halt.Done")
+    assert bench.state == "standstill" and bench.outputs("combine") == "CommandAborted"
+
+
+def test_a_coupling_that_waits_behind_a_move_and_another_coupling(bench):
+    bench.start("run", 100, Velocity=200.0)
+    bench.start("relative", Distance=50.0)
+    bench.start("gear", BufferMode=1, **GEAR)
+    bench.start("combine", BufferMode=1)
+    bench.until("relative.Done")
+    bench.until("gear.CommandAborted", 200)
+    bench.until("combine.InSync", 200)
+    moves(bench)
+    assert bench["ax.fSetVelocity"] == pytest.approx(200.0)
+
+
+def test_a_jerk_limited_gear_keeps_the_acceleration_of_the_slave(bench):
+    """With Jerk 50 000 u/s3 the acceleration changes by 50 u/s2 a scan."""
+    bench.start("run", Velocity=4000.0, Acceleration=2000.0)
+    bench.start("gear", 100, RatioNumerator=1, Acceleration=20000.0)
+    assert bench["gear.InGear"] and bench["ax.fSetAcceleration"] == pytest.approx(2000.0)
+    bench.start("gear", RatioNumerator=2, Jerk=50000.0)
+    for i in range(5):
+        assert bench["ax.fSetAcceleration"] == pytest.approx(2000.0 + 50.0 * i)
+        bench.scan()
+
+
+def test_a_command_waits_for_the_end_of_a_cam(bench):
+    """PLCopen Part 1, table 4: what waits behind MC_CamIn begins at EndOfProfile."""
+    cam(bench, RISE)
+    camin(bench)
+    bench.start("run", Velocity=200.0)
+    bench.start("first", 1000, Position=60.0, BufferMode=1)
+    assert bench["cam.Active"] and bench["cam.InSync"] and not bench["first.Active"]
+    bench.until("first.Active", 1200)
+    assert bench["master.fSetPosition"] == pytest.approx(400.0, abs=1.0)
+    assert bench.outputs("cam") == "CommandAborted"
+    bench.until("first.Done")
+    assert bench["ax.fSetPosition"] == 60.0
+
+
+def test_a_command_behind_a_cam_that_is_over_begins_at_once(bench):
+    cam(bench, [(50, 0, 0, 0), (200, 100, 0, 0)], Periodic=False)
+    camin(bench)
+    bench.start("run", Velocity=200.0)
+    bench.start("gear", 300, BufferMode=1, **GEAR)
+    assert bench["cam.Active"] and bench["master.fSetPosition"] > 50.0  # its beginning is not its end
+    bench["gear.Execute"] = False
+    bench.start("cam", 900)
+    assert not bench["gear.Busy"] and bench["ax.fSetPosition"] == 100.0
+    bench.start("gear", 3)
+    assert bench["gear.Active"] and bench.outputs("cam") == "CommandAborted"
