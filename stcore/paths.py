@@ -192,7 +192,8 @@ def member(place: Place, name: str) -> Place:
     """A member of a structure or an instance; a VAR_IN_OUT is followed to the variable that it stands for."""
     if not isinstance(place.type, Struct | Block):
         raise PathError(f"{place.name} is {place.type} and has no member {name}")
-    found = place.type.members.get(name.upper())
+    members = place.type.members
+    found = members.get(name.upper()) or next((f for f in members.values() if f.also == name.upper()), None)
     if not found:
         raise PathError(
             f"{place.name} has no variable {name}{_near(name, [f.name for f in place.type.members.values()])}"

@@ -214,6 +214,11 @@ class Field:
     def by_reference(self) -> bool:
         return self.section == "VAR_IN_OUT"
 
+    @property
+    def also(self) -> str:
+        """Its second name in upper case: the standard's, where CODESYS has another."""
+        return self.attributes.get("also", "").upper()
+
 
 @dataclass(eq=False, slots=True, repr=False)
 class Struct(Type):

@@ -125,6 +125,7 @@ def test_a_profile_by_its_number_of_pairs(bench):
 def test_names_of_plcopen_are_known_in_both(bench):
     bench.start("place", Position=7.0)
     assert bench["place.Done"] and bench["ax.fSetPosition"] == 7.0
+    assert bench["place.Relative"] is bench["place.Mode"] is True
 
 
 def test_a_relative_profile_that_rounding_keeps_from_zero(bench):
