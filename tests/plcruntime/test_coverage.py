@@ -4,6 +4,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from sample import some_examples
 
 from plcruntime import PLC
 from plcruntime.cli import main
@@ -152,10 +153,10 @@ def test_a_file_that_cannot_be_written(folder, capsys):
 
 
 SPECIAL = ("fault", "mistakes", "test_")  # examples that fail on purpose, or are no program
-EXAMPLES = [e for e in sorted((Path(__file__).parents[2] / "examples_st").glob("*.st")) if not e.name.startswith(SPECIAL)]
+PROGRAMS = [e for e in some_examples() if not e.name.startswith(SPECIAL)]
 
 
-@pytest.mark.parametrize("example", EXAMPLES, ids=lambda e: e.stem)
+@pytest.mark.parametrize("example", PROGRAMS, ids=lambda e: e.stem)
 def test_a_probed_build_does_what_the_plain_one_does(example):
     plain = PLC.load(example)
     program, _ = build(example, probes=True)

@@ -9,12 +9,12 @@ import re
 from pathlib import Path
 
 import pytest
+from sample import EXAMPLES, some_examples
 
 import mclib
 import stcore
 from stcore.source import Source
 
-EXAMPLES = sorted((Path(__file__).parents[2] / "examples_st").glob("*.st"))
 TOKEN = re.compile(r"\(\*.*?\*\)|//[^\n]*|'[^'\n]*'|\w+(?:#[\w.:#-]+)?|:=|=>|<>|<=|>=|\.\.|\*\*|[^\s\w]", re.S)
 PER_PROGRAM = 45
 
@@ -41,7 +41,11 @@ def errors_of(path: Path, text: str) -> int:
     return sum(d.severity == "error" for d in diagnostics)
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)
+def pytest_generate_tests(metafunc):
+    paths = EXAMPLES if metafunc.config.getoption("--all-typos") else some_examples()
+    metafunc.parametrize("path", paths, ids=lambda p: p.stem)
+
+
 def test_typos(path, request):
     text = path.read_text(encoding="utf-8")
     if errors_of(path, text):
