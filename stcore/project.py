@@ -56,7 +56,7 @@ class Project:
         self.named_types: dict[str, t.Type] = {}
         self.declaring = 0  # declarations that are being resolved
         self.postponed: list[Callable[[], None]] = []  # to do when none is: the targets of pointers
-        self.needs: list[str] = []  # library programs that a global list brings along
+        self.needs: list[str] = []  # library programs that a global list or a type brings along
         self.top = NULL_PAGE  # next free address of the image
         self.evaluate: Callable[[s.Node, Source, Pou | None, bool], object] = lambda *_: None
         self.is_builtin: Callable[[str], bool] = lambda _: False
@@ -79,6 +79,8 @@ class Project:
             case s.Pou():
                 self._add(table, unit.name, Pending("pou", unit, source, library, at=unit.name_start))
             case s.TypeDecl():
+                if "needs" in unit.attributes:
+                    self.needs.append(unit.attributes["needs"])
                 self._add(table, unit.name, Pending("type", unit, source, library, at=unit.name_start))
                 if isinstance(unit.type, s.EnumDef) and "qualified_only" not in unit.attributes:
                     for name, at, _ in unit.type.items:
