@@ -25,7 +25,7 @@ from mclib.motion_programs.code import (
     Variable,
 )
 from mclib.motion_programs.commands import COMMANDS, NUMBER, POINTERS
-from mclib.motion_programs.words import TYPES, Token, Words
+from mclib.motion_programs.words import FOREIGN_TYPES, TYPES, Token, Words
 
 
 class Expressions(Words):
@@ -128,8 +128,17 @@ class Expressions(Words):
     def _find(self, name: Token) -> Variable:
         found = self.function.variables.get(name.text) or self.result.variables.get(name.text)
         if found is None:
-            raise MotionError(name.line, f"{name.text} is not declared")
+            raise MotionError(name.line, self._unknown(name.text))
         return found
+
+    def _unknown(self, name: str) -> str:
+        if name in self.result.functions:
+            return f"{name} is a function: functions can't call functions, only GT_ commands"
+        if name in FOREIGN_TYPES:
+            return f"{name} is no type of motion programs: int or double"
+        if name.isupper():  # as GT_ macros are written (10.4.3 (4))
+            return f"{name} is not declared; macros of the PLC are not known here: write #define {name} and its number"
+        return f"{name} is not declared"
 
     def _variable(self, name: Token) -> tuple[Operand, str]:
         variable = self._find(name)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from mclib.motion_programs.code import MotionError
 
 TYPES = {"int": "int", "short": "int", "long": "int", "double": "double", "void": "void"}
+FOREIGN_TYPES = frozenset(("char", "float", "signed", "unsigned", "const", "static", "bool"))
 _SPLIT = re.compile(r"(int|short|long|double|void)([A-Za-z_]\w*)$")
 _TOKEN = re.compile(
     r"(?P<blank>[ \t\r\f]+|…+|\.{3,})|(?P<line>\n)|(?P<comment>//[^\n]*|/\*.*?\*/)|(?P<define>\#[ \t]*define\b[^\n]*)"
@@ -43,6 +44,8 @@ class Words:
                     at += len(rest)  # a comment that was printed on two lines
                     continue
                 raise MotionError(line, f"'{text[at]}' has no meaning here")
+            if text.startswith("/*", at) and found.lastgroup != "comment":
+                raise MotionError(line, "the comment is not closed: */ is missing")
             at = found.end()
             kind = found.lastgroup
             if kind == "define":

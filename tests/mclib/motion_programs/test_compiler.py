@@ -76,6 +76,8 @@ def test_statements(statement):
         ("GT_SetPos(1, d);", "int, not double"), ("return 1;", "void"), ("i = 4294967296;", "beyond"),
         ("i = 1", "missing"),
         ("int b = 3;", "declared"), ("int i[2][3];", "one dimension"), ("int m, m;", "twice"), ("i = @;", "no meaning"),
+        ("i = main();", "can't call"), ("unsigned k;", "no type"), ("GT_SetDo(MC_GPO, 4);", "#define MC_GPO"),
+        ("/* i = 1;", "not closed"),
         ("int big[1025];", "1024"), ("int b1[600]; int b2[600];", "1024"),
     ],
 )  # fmt: skip
