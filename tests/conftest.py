@@ -1,10 +1,12 @@
 """What all tests share."""
 
+import sys
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "tests"))  # for sample.py: the tests are no package
 
 
 @pytest.fixture(scope="session")
