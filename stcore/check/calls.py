@@ -205,9 +205,13 @@ class Calls(Expressions):
                 bindings[name] = _bind(bindings.get(name), self.settle(arg.value).type)
         for name, any_type in names.items():
             kind = bindings.get(name)
+            if key(any_type) == "ANY_POINTER" and _is_address(kind):
+                kind = bindings[name] = t.Pointer(t.BYTE)
             if kind is None or not _is_any(kind, key(any_type)):
                 parts = isinstance(kind, t.Array | t.Struct)
                 hint = f"name its {'elements' if isinstance(kind, t.Array) else 'members'} one by one" if parts else ""
+                if key(any_type) == "ANY_POINTER":
+                    any_type, hint = "a pointer", "give its address: ADR(...)"
                 self.error("E0407", node, name=pou.name, wanted=any_type, given=kind or "nothing", hint=hint)
                 return None
             if isinstance(kind, t.String):
@@ -356,8 +360,14 @@ def _bind(known: t.Type | None, kind: t.Type) -> t.Type:
     return common(known, kind) or known
 
 
+def _is_address(kind: t.Type | None) -> bool:
+    """True for numbers that an address may be kept in, and for 0, which is NULL."""
+    return kind is t.NULL or isinstance(kind, t.Elementary) and kind.kind in ("int", "bits") and kind.size >= 4
+
+
 _ANY = {
     "ANY": None,
+    "ANY_POINTER": ("pointer",),
     "ANY_STRING": ("string",),
     "ANY_NUM": ("int", "bits", "real"),
     "ANY_INT": ("int", "bits"),

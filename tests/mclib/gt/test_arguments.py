@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import mclib
-from plcruntime import PLC, catalogue
+from plcruntime import PLC, CompileError, catalogue
 
 ENTRIES = [
     e
@@ -56,6 +56,7 @@ def cases() -> dict[str, str]:
         for name, kind in parameters(e):
             if (kind.startswith("POINTER") or kind == "T") and name not in ("pClock", "pLoop", "pFunName"):
                 found[f"{e.name} {name} NULL"] = call(e, **{name: "nothing"})
+                found[f"{e.name} {name} 0"] = call(e, **{name: "0"})
     return found
 
 
@@ -126,6 +127,31 @@ def test_a_controller_that_is_not_reached(cut, name, code):
     assert cut["PLC_PRG.rtn"] == last["code"] == (-6 if name == "GT_Open" else code)
     assert last["command"] == name[:31] and "SIM.link" in last["why"]
     assert cut["PLC_PRG.room"] == [7.0] * 100
+
+
+@pytest.mark.parametrize("value", ["text", "number", "1.5"])
+def test_what_is_no_pointer_is_told_at_the_call(value):
+    """Of functions whose pointer may be to different types."""
+    with pytest.raises(CompileError) as caught:
+        PLC.load(f"""
+PROGRAM PLC_PRG
+VAR text : STRING(40); number : LREAL; variable : TVarInfo; END_VAR
+GT_GetVarValue(-1, ADR(variable), {value});
+GT_GetVersion({value});
+END_PROGRAM""")
+    found = [(d.code, d.line, d.hint) for d in caught.value.diagnostics]
+    assert found == [("E0407", 4, "give its address: ADR(...)"), ("E0407", 5, "give its address: ADR(...)")]
+
+
+def test_an_address_in_a_dword():
+    plc = PLC.load("""
+PROGRAM PLC_PRG
+VAR at : DWORD; text : STRING(40); rtn : INT; END_VAR
+at := ADR(text);
+rtn := GT_GetVersion(at);
+END_PROGRAM""")
+    plc.scan()
+    assert plc["PLC_PRG.rtn"] == 0 and len(plc["PLC_PRG.text"]) == 21
 
 
 def test_the_link_comes_back():
