@@ -21,6 +21,7 @@ LINKS = {
     "gear": "MC_GearIn", "gear2": "MC_GearIn", "meet": "MC_GearInPos", "cam": "MC_CamIn",
     "phase": "MC_PhasingAbsolute", "further2": "MC_PhasingRelative",
 }  # fmt: skip
+PLACES = dict.fromkeys(LINKS, "link.") | dict.fromkeys(TABLES, "profile.")  # of the order in the block
 OUTPUTS = ("Done", "Busy", "Error", "CommandAborted")
 
 
@@ -63,7 +64,7 @@ run(Axis := master); run3(Axis := other); carry(Axis := master); masterHalt(Axis
     + "".join(_block(n, "Master := master, Slave := ax") for n in ("phase", "further2"))
     + _block("combine", "Master1 := master, Master2 := other, Slave := ax", done=False)
     + "".join(
-        f"IF {n}.Busy AND {n}.{'link.' if n in LINKS else ''}order.result = 0 THEN owners := owners + 1; END_IF\n"
+        f"IF {n}.Busy AND {n}.{PLACES.get(n, '')}order.result = 0 THEN owners := owners + 1; END_IF\n"
         for n in (BLOCKS | TABLES | LINKS).keys() - {"over", "over2", "haltOver", "reset", "gear2", "phase", "further2"}
     )
     + """gearOut(Slave := ax); camOut(Slave := ax); select(Master := master, Slave := ax, CamTable := table);

@@ -142,3 +142,10 @@ def test_an_unknown_dialect(tmp_path):
     (tmp_path / "plc.toml").write_text('[project]\ndialect = "plcopn"\n')
     with pytest.raises(UsageError, match="dialect is one of .*did you mean plcopen"):
         PLC.load(tmp_path / "plc.toml")
+
+
+def test_the_end_of_a_profile_by_its_name_in_plcopen(bench):
+    bench["table.MC_TV_Array[1].delta_time"] = 0.01
+    bench["table.Number_of_pairs"] = 1
+    bench.start("profile", 20, ArraySize=1)
+    assert bench["profile.ProfileCompleted"] and bench["profile.Done"]

@@ -228,3 +228,65 @@ def test_read_blocks(bench):
     bench.scan()
     assert bench["info.HomeAbsSwitch"] and bench["info.PowerOn"] and not bench["info.IsHomed"]
     assert bench["info.ReadyForPowerOn"] and bench["info.CommunicationReady"]
+
+
+def test_a_profile_takes_changed_inputs(bench):
+    """ContinuousUpdate: the rest of the profile is run with the new values, in the time that is left."""
+    bench.profile("velocities", [(100, 300.0), (200, 300.0), (100, 100.0), (100, 0.0)], ContinuousUpdate=True)
+    bench.scan(199)  # in the middle of the second segment
+    bench["velocities.VelocityScale"] = 2.0
+    bench["velocities.Offset"] = 50.0
+    bench.scan(100)
+    assert bench["ax.fSetVelocity"] == pytest.approx(650.0)
+    bench["velocities.TimeScale"] = 2.0
+    bench.scan(100)
+    assert bench["ax.fSetVelocity"] == pytest.approx(450.0)  # half of the way from 650 to 250
+    bench["velocities.ContinuousUpdate"] = False
+    bench["velocities.Offset"] = 0.0
+    bench.scan(100)
+    assert bench["ax.fSetVelocity"] == pytest.approx(250.0)
+
+
+def test_an_acceleration_profile_takes_changed_inputs(bench):
+    bench.profile("accelerations", [(100, 2000.0), (200, 2000.0), (100, 0.0), (100, 0.0)], ContinuousUpdate=True)
+    bench.scan(199)
+    bench["accelerations.AccelerationScale"] = 0.5
+    bench.scan(100)
+    assert bench["ax.fSetAcceleration"] == pytest.approx(1000.0)
+    assert bench["ax.fSetVelocity"] == pytest.approx(100.0 + 200.0 + 150.0)
+
+
+@pytest.mark.parametrize("absolute", [True, False])
+def test_a_position_profile_takes_changed_inputs(bench, absolute):
+    values = (100.0, 200.0) if absolute else (100.0, 100.0)
+    bench.profile("positions", list(zip((200, 300), values, strict=True)), absolute, ContinuousUpdate=True)
+    bench.scan(99)
+    bench["positions.Offset"] = -10.0
+    bench["positions.PositionScale"] = 0.8
+    bench.scan(100)
+    assert bench["ax.fSetPosition"] == pytest.approx(70.0)
+    bench["positions.PositionScale"] = -1.0  # is none
+    bench.scan(100)
+    bench["positions.PositionScale"] = 0.8
+    bench["positions.TimeScale"] = 0.7
+    assert bench.until("positions.Done") == pytest.approx(141, abs=1)
+    assert bench["ax.fSetPosition"] == pytest.approx(150.0) and bench.state == "standstill"
+
+
+def test_a_profile_that_waits_begins_from_where_the_axis_then_is(bench):
+    bench.start("first", Position=30.0)
+    bench.profile("positions", [(200, 100.0), (200, 50.0)], BufferMode=1)
+    bench.until("positions.Done")
+    assert bench["ax.fSetPosition"] == pytest.approx(50.0)
+    bench.start("velocity", Velocity=200.0)
+    bench.profile("velocities", [(100, 100.0), (100, -200.0)], BufferMode=1)
+    bench.until("velocities.Done")
+    assert bench.state == "standstill"
+
+
+def test_a_position_profile_begins_with_the_velocity_of_the_axis(bench):
+    bench.start("velocity", 100, Velocity=200.0)
+    start = bench["ax.fSetPosition"]
+    bench.profile("positions", [(200, 30.0), (200, 10.0)], absolute=False)
+    bench.until("positions.Done")
+    assert bench["ax.fSetPosition"] == pytest.approx(start + 40.0)
