@@ -262,6 +262,16 @@ class Known(CheckedProject):
             pou.variables[key(name)] = var
         return pou
 
+    def check_reached(self) -> None:
+        """Check the library code that the text needs. Raises PathError when it needs parts that the program lacks."""
+        super().check_reached()
+        errors = [d for d in self.reporter.diagnostics if d.severity == "error"]
+        folders = tuple(str(folder) for folder in self.names.program.libraries)
+        if errors and all(d.file.startswith(folders) for d in errors):
+            raise PathError(
+                f"that needs more of the library than this program uses ({errors[0].message}); call it there"
+            )
+
     def check_addresses(self) -> None:
         """Raises PathError for a direct address outside its area, or a library name that needs more than itself."""
         program = self.names.program

@@ -9,6 +9,7 @@ import pytest
 
 import mclib
 from plcruntime import PLC, CompileError, catalogue
+from stcore.paths import PathError
 
 ENTRIES = [
     e
@@ -141,6 +142,14 @@ GT_GetVersion({value});
 END_PROGRAM""")
     found = [(d.code, d.line, d.hint) for d in caught.value.diagnostics]
     assert found == [("E0407", 4, "give its address: ADR(...)"), ("E0407", 5, "give its address: ADR(...)")]
+
+
+@pytest.mark.parametrize("typed", ["GT_LoadConfig('test.cfg')", "GT_SetStopIo(1, 0, MC_GPI, 4)", "GT_SetDo(MC_GPO, 1)"])
+def test_a_typed_command_that_needs_more_than_the_program_has(typed):
+    plc = PLC.load("PROGRAM PLC_PRG GT_AxisOn(1); END_PROGRAM")
+    with pytest.raises(PathError, match="^that needs .* this program .*; call it there$"):
+        plc.evaluate(typed)
+    assert plc.evaluate("GT_AxisOff(1)") == 0
 
 
 def test_an_address_in_a_dword():
