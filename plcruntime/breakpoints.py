@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from plcruntime.errors import UsageError
 from stcore.near import near
-from stcore.program import Program
+from stcore.program import Body, Program
 
 if TYPE_CHECKING:
     from plcruntime.plc import PLC
@@ -74,14 +75,16 @@ class Breakpoints:
         elif self.points.pop(number, None) is None:
             raise UsageError(f"there is no breakpoint {number}; there are {', '.join(map(str, self.points)) or 'none'}")
 
-    def at(self, site: int) -> Breakpoint | None:
-        return next((p for p in self.points.values() if site in p.sites), None)
+    def at(self, site: int) -> list[Breakpoint]:
+        return [p for p in self.points.values() if site in p.sites]
 
-    def write_flags(self, memory) -> None:
-        """Mark the sites in the memory of the probed build."""
+    def write_flags(self, memory, flag: Callable[[Breakpoint, Body], int]) -> None:
+        """Mark the sites in the memory of the probed build. flag: what a breakpoint wants to have there in a body;
+        where several stop, the host asks each of them."""
         program = self.program
         start = program.flags
         memory[start : start + len(program.sites)] = bytes(len(program.sites))
         for point in self.points.values():
             for site in point.sites:
-                memory[start + site] = 1
+                alone = len(self.at(site)) == 1
+                memory[start + site] = flag(point, program.bodies[program.probed[site]]) if alone else 1

@@ -21,7 +21,7 @@ from plcruntime.errors import UsageError
 from plcruntime.instances import instance_path
 from plcruntime.typed import Result
 from stcore.known import Scene
-from stcore.program import DEPTH, STOP, STOP_DEPTH, Body, Program, Site
+from stcore.program import DEPTH, HOOK_SLOTS, STOP, STOP_DEPTH, Body, Program, Site
 from stcore.side import condition
 
 if TYPE_CHECKING:
@@ -70,6 +70,14 @@ class Outcome:
 
 
 @dataclass(slots=True)
+class _Check:
+    """A breakpoint's condition in one body, linked. flag: the slot where the module asks it, 1 if the host has to."""
+
+    holds: Callable[[int, int], int]
+    flag: int
+
+
+@dataclass(slots=True)
 class _Order:
     """What the thread shall do: scans still to run, the condition that ends it, how to stop on the way."""
 
@@ -94,7 +102,7 @@ class Debugger:
         self._thread: threading.Thread | None = None
         self._ahead: Future[Program] | None = None
         self._deaf = False  # probes are passed over: typed text runs
-        self._checks: dict[tuple[int, int], Callable[[int, int], int]] = {}  # conditions, by breakpoint and body
+        self._checks: dict[tuple[int, int], _Check] = {}  # conditions, by breakpoint and body
         self._checks_size = OTHERS
         self._touched = False  # the user wrote in the middle of the scan: it can't be repeated
         self.breakpoints = Breakpoints(plc)
@@ -157,8 +165,7 @@ class Debugger:
             raise UsageError("breakpoints and statement steps need a program that was loaded from its source")
         ahead, self._ahead = self._ahead, None
         program = ahead.result() if ahead else self._compile()
-        end = plc.program.state_end
-        if program.state_end != end or program.image[:end] != plc.program.image[:end]:
+        if program.digest != plc.program.digest:
             raise UsageError("the source has changed since it was loaded; leave and load it again")
         self.breakpoints.program = program
         return plc.new_machine(program)
@@ -278,7 +285,8 @@ class Debugger:
     def _arm(self, order: _Order) -> None:
         """Tell the probes where to stop."""
         memory = self._engine.machine.memory
-        self.breakpoints.write_flags(memory)
+        if self.breakpoints.program is not None:
+            self.breakpoints.write_flags(memory, self._flag)
         mode = order.mode or (1 if self.breakpoints.active else 0)
         struct.pack_into("<i", memory, STOP, max(mode, 0))
         struct.pack_into("<i", memory, STOP_DEPTH, order.depth)
@@ -290,12 +298,18 @@ class Debugger:
         try:
             reached = False
             while order.left > 0 and not reached:
-                reached = self._engine.advance(1, until=order.until, realtime=order.realtime)
+                before = self._engine.scans
+                # what is recorded can't be taken out in the middle of a scan, so that nothing may be left of scans before
+                count = 1 if self._engine.recorder.active else order.left
+                reached = self._engine.advance(count, until=order.until, realtime=order.realtime)
                 if self._touched:
                     self._touched = False
                     self._engine.start_history()
-                order = self._order  # the user may have changed his mind while the scan waited
-                order.left -= 1
+                # after a scan that waited there may be another order, and the run has ended at its boundary
+                order.left -= self._engine.scans - before if order is self._order else 0
+                if order is not self._order:
+                    order = self._order
+                    order.left -= 1
             events.put(("done", reached))
         except Abandoned:
             events.put(("done", False))
@@ -309,13 +323,13 @@ class Debugger:
         memory = self._probed.memory
         depth = struct.unpack_from("<i", memory, DEPTH)[0]
         where = program.bodies[body]
-        stop = Stop(program.sites[site], where, this, frame, depth, instance_path(program, where, this))
-        point = self.breakpoints.at(site)
         stepping = struct.unpack_from("<i", memory, STOP)[0] == 2
+        stop = Stop(program.sites[site], where, this, frame, depth, instance_path(program, where, this))
+        point = next((p for p in self.breakpoints.at(site) if self._holds(p, stop)), None)
         if point is not None:
-            stop.breakpoint = point.number if self._holds(point, stop) else None
-            point.hits += stop.breakpoint is not None
-        if stop.breakpoint is None:
+            stop.breakpoint = point.number
+            point.hits += 1
+        else:
             # the axes move after the tasks: nobody who steps through his program wants to be led there
             if not stepping or depth > struct.unpack_from("<i", memory, STOP_DEPTH)[0]:
                 return
@@ -329,14 +343,14 @@ class Debugger:
             return True
         self._deaf = True
         try:
-            return bool(self._condition(point, stop.body)(stop.this, stop.frame))
+            return bool(self._check(point, stop.body).holds(stop.this, stop.frame))
         except Exception as error:  # whatever the condition does wrong, the user shall see it at its place
             stop.note = f"the condition failed: {error}"
             return True
         finally:
             self._deaf = False
 
-    def check(self, point: Breakpoint) -> None:
+    def validate(self, point: Breakpoint) -> None:
         """Compile the condition of a breakpoint. Raises CompileError, PathError, SideError for a wrong one."""
         program = self.breakpoints.program
         body = next((b for b in program.bodies if b.pou == point.pou), None)
@@ -344,17 +358,32 @@ class Debugger:
             names = self._plc.typed.names(program)
             condition(names, point.condition, _scene(body))
 
-    def _condition(self, point: Breakpoint, body: Body) -> Callable[[int, int], int]:
-        """The condition of a breakpoint as a function, linked once."""
+    def _flag(self, point: Breakpoint, body: Body) -> int:
+        """What the module finds at a breakpoint: 1, or where it can ask the condition by itself."""
+        if point.condition is None:
+            return 1
+        try:
+            return self._check(point, body).flag
+        except Exception:  # told by _holds, where it stops
+            return 1
+
+    def _check(self, point: Breakpoint, body: Body) -> _Check:
+        """The condition of a breakpoint, linked once. The module asks it where it can't fail: a fault would be the
+        program's."""
         mark = (point.number, id(body))
         if mark not in self._checks:
-            function, size = self._plc.typed.condition(point.condition, _scene(body), self._checks_size)
-            self._checks[mark] = function
-            self._checks_size += (size + 15) // 16 * 16
+            machine = self._engine.machine
+            side = self._plc.typed.condition(point.condition, _scene(body), self._checks_size)
+            self._checks_size += (side.size + 15) // 16 * 16
+            free = set(HOOK_SLOTS) - {c.flag for (n, _), c in self._checks.items() if n in self.breakpoints.points}
+            flag = machine.hook(min(free), side) if side.simple and free else 1
+            self._checks[mark] = _Check(machine.side(side), flag)
         return self._checks[mark]
 
     def _suspend(self, stop: Stop) -> None:
-        """Wait in the middle of the scan; run meanwhile what the other thread asks for."""
+        """Wait in the middle of the scan; run meanwhile what the other thread asks for. The run ends after this scan,
+        for another order may follow."""
+        self._engine.end_after_scan()
         self._order.events.put(("stop", stop))
         with self._engine.guard.paused():
             self._serve()

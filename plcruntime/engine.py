@@ -45,6 +45,7 @@ class Engine:
         self.run_s = 0.0
         self._chunk = 16
         self._busy = False
+        self._ending = False  # the run under way ends after its present scan
         self._until = None
         self._waiting: list = []  # traces whose trigger the module looks at
         self._begin()
@@ -107,7 +108,7 @@ class Engine:
         if self._busy:
             raise RuntimeError("the PLC is running: a function called between scans can't run it")
         goal = self.scans + count
-        self._busy = True
+        self._busy, self._ending = True, False
         self._until = until
         self._set_conditions()
         try:
@@ -118,6 +119,12 @@ class Engine:
             self.machine.set_until()
             self.recorder.drain(self.scans)
             self._busy = False
+
+    def end_after_scan(self) -> None:
+        """To be called while a scan is under way: `advance` ends at its boundary."""
+        if not self._ending:
+            self._ending = True
+            self.machine.end_after_scan()
 
     def _loop(self, goal: int, test, clock) -> bool:
         first = scans = self.scans
@@ -136,8 +143,8 @@ class Engine:
                     reached = reached or bool(test and test())
             for function in self.after_call:
                 function()
-            if reached:
-                return True
+            if reached or self._ending:
+                return reached
             if self.between_calls:
                 self.between_calls(scans - first, goal - first)
             if clock:

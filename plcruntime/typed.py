@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from stcore import values
 from stcore.known import Names, Scene
 from stcore.program import NULL_PAGE, Program
-from stcore.side import compile_side, condition
+from stcore.side import Side, compile_side, condition
 from stcore.types import Type
 
 if TYPE_CHECKING:
@@ -73,12 +72,10 @@ class Typed:
             raise
         return result, before != bytes(machine.memory[NULL_PAGE:end])
 
-    def condition(self, text: str, scene: Scene, offset: int) -> tuple[Callable[[int, int], int], int]:
-        """A condition in a POU as a function (instance, stack frame) that may be called often, and its size. offset:
-        of its constants, among those of other conditions."""
-        machine = self._plc._engine.machine
-        side = condition(self.names(machine.program), text, scene, offset)
-        return machine.side(side), side.size
+    def condition(self, text: str, scene: Scene, offset: int) -> Side:
+        """A condition in a POU: a function (instance, stack frame) that may be called often. offset: of its constants,
+        among those of other conditions."""
+        return condition(self.names(self._plc._engine.machine.program), text, scene, offset)
 
     def result(self, kind: Type | None, address: int) -> Result:
         if kind is None:

@@ -159,7 +159,7 @@ def _emit(
     program.types = dict(project.named_types)
     program.routines = emitter.routines()
     if probes:
-        program.bodies, program.probed, program.probes = emitter.bodies, list(emitter.probed), emitter.stack_top
+        program.bodies, program.probed, program.probes = emitter.bodies, emitter.probed, emitter.stack_top
         program.branches = emitter.branches
     _variables(program, project, emitter)
     return program

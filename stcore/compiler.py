@@ -37,6 +37,7 @@ def compile(  # noqa: A001 - the verb that users know
     from stcore.build_program import build  # the compiler proper is not loaded for a build that is kept
 
     program, used = build(sources, tasks, [LIBRARY, *map(Path, libraries)], strict, probes)
+    program.digest = _digest(sources, used)
     cache.store("build", key, _pack(program, used))
     return program
 
@@ -94,6 +95,14 @@ def _build_key(
     for source in sources:
         parts += [source.path.encode(), source.text.encode("utf-8", "surrogatepass")]
     return cache.digest(*parts)
+
+
+def _digest(sources: list[Source], used: list[str]) -> str:
+    """Of all texts that a program was made of."""
+    others = [Path(path) for path in sorted(used) if Path(path).is_file()]
+    parts = [(x.path, x.text.encode("utf-8", "surrogatepass")) for x in sources]
+    parts += [(str(x), x.read_bytes()) for x in others]
+    return cache.digest(*(part for path, data in parts for part in (path.encode(), data)))
 
 
 def _stamp(path: str) -> tuple[int, int] | None:

@@ -101,6 +101,7 @@ class Machine:
         self._used = program.limit
         self._conditions: dict[bytes, wasmtime.Func] = {}
         self._look: wasmtime.Func | None = None
+        self._always: wasmtime.Func | None = None
         self._stacks: dict[tuple, list[Site]] = {}
         self._view: memoryview | None = None
         self._grow_to(program.limit + 64)
@@ -197,6 +198,15 @@ class Machine:
             self._hooks.set(self._store, slot, self._conditions[condition])
         struct.pack_into("<i", self.memory, UNTIL, len(wanted))
 
+    def end_after_scan(self) -> None:
+        """End the run that is under way after its present scan; set_until takes that back."""
+        if self._always is None:
+            module = wasmtime.Module(engine(), '(module (func (export "always") (result i32) (i32.const 1)))')
+            self._always = wasmtime.Instance(self._store, module, []).exports(self._store)["always"]
+        slot = struct.unpack_from("<i", self.memory, UNTIL)[0]
+        self._hooks.set(self._store, slot, self._always)
+        struct.pack_into("<i", self.memory, UNTIL, slot + 1)
+
     def until_holds(self, slot: int = 0) -> bool:
         """Whether a condition of set_until, by its place there, holds now: a run does not tell which one ended it."""
         return bool(self._hooks.get(self._store, slot)(self._store))
@@ -215,6 +225,11 @@ class Machine:
         """The function of a side module. It raises Fault like `run`, and may be called while a probe stops."""
         function = self._link(side.wasm)["side"]
         return lambda *args: self._nested(function, args, side)
+
+    def hook(self, slot: int, side) -> int:
+        """Put the function of a side module into one of HOOK_SLOTS, where the module itself can call it; the slot."""
+        self._hooks.set(self._store, slot, self._link(side.wasm)["side"])
+        return slot
 
     def call(self, export: str) -> object:
         """Call a function of the module that takes nothing (program.routines names it). Raises Fault."""

@@ -7,7 +7,8 @@ pickled. One memory image holds every variable of every instance:
     1024 .. image_end    %I, %Q, %M, then globals, programs and their instances: the image that snapshots copy
     image_end .. limit   SIDE_SIZE bytes for side modules (stcore/side.py), above them the stack of functions' own
                          arrays, strings and structures
-    then                 in a probed build: a count and a flag for each site
+    then                 in a probed build: a count and a flag for each site; a flag above 1 is a slot in the table of
+                         hooks, whose function tells whether to stop
     limit ..             what the host allocates: trace buffers and tables
 """
 
@@ -36,6 +37,7 @@ ALONE = 112  # DINT, the number (from 1) of the test that runs; 0 none
 STOP_DEPTH = 108  # DINT, probed builds: the depth up to which STOP = 2 stops
 TASK_RATIOS = 128  # DINT for each task: it runs when SCAN MOD ratio = 0
 NULL_PAGE = 1024
+HOOK_SLOTS = range(48, 64)  # of the table of hooks: conditions of breakpoints; those below are conditions of a run
 SIDE_SIZE = 64 * 1024  # bytes below the stack for the constants of side modules
 
 
@@ -180,9 +182,10 @@ class Program:
     libraries: list[str] = field(default_factory=list)  # folders that library names come from
     routines: dict[str, Routine] = field(default_factory=dict)  # upper-case name -> POU in the module, the user's first
     bodies: list[Body] = field(default_factory=list)  # of a probed build
-    probed: list[int] = field(default_factory=list)  # sites at which a probed build can stop: statements
+    probed: dict[int, int] = field(default_factory=dict)  # statements, where a probed build can stop: site -> body
     branches: list[Branch] = field(default_factory=list)  # of a probed build
     constants_at: int = 0  # where strings and templates begin, behind all variables; 0: at image_end
+    digest: str = ""  # of all texts that it was made of; the same in a probed build
     probes: int = 0  # address of the counts of sites, then of branches (4 bytes each), then the flags; 0: not probed
 
     @property

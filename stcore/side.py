@@ -39,12 +39,14 @@ class SideError(Exception):
 @dataclass(slots=True)
 class Side:
     """A side module. type: of the result, None for statements; its address is what the function gives. size: bytes of
-    constants that it occupies. sites: the places of its own checks."""
+    constants that it occupies. sites: the places of its own checks. simple: it calls nothing of the program and checks
+    nothing, so that it can't fail."""
 
     wasm: bytes
     type: t.Type | None
     size: int
     sites: list[Site]
+    simple: bool = False
 
 
 def compile_side(names: Names, text: str, scene: Scene | None = None) -> Side:
@@ -144,7 +146,8 @@ def _module(emitter: _Emitter, function: FunctionEmitter, tree, scene, at: int, 
         f"(module ${SIDE}", '(import "plc" "memory" (memory 1)) (import "plc" "sp" (global $sp (mut i32)))',
         *emitter.imported.values(), _helpers(code), stack, code, '(export "side" (func $side))', data, ")",
     ]  # fmt: skip
-    return Side(assemble("\n".join(module)), kind, size, emitter.sites)
+    simple = not emitter.imported and not emitter.functions and not emitter.sites
+    return Side(assemble("\n".join(module)), kind, size, emitter.sites, simple)
 
 
 @functools.cache

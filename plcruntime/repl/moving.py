@@ -155,7 +155,7 @@ class Moving:
     def _check_condition(self, point) -> None:
         """A wrong condition is an error now, not when it is first asked."""
         try:
-            self.debugger.check(point)
+            self.debugger.validate(point)
         except Exception:
             self.debugger.breakpoints.remove(point.number)
             raise

@@ -43,7 +43,7 @@ class ModuleEmitter:
         self.probes = probes
         self.inlining = Inlinable() if not probes else None
         self.bodies: list[Body] = []
-        self.probed: dict[int, None] = {}  # sites of statements
+        self.probed: dict[int, int] = {}  # sites of statements -> the number of their body
         self.branches: list[Branch] = []
         self.images = ImageBuilder(project)
         self.sites: list[Site] = []

@@ -2,7 +2,7 @@
 ;; Addresses of the system area are those of stcore/program.py.
 
 (memory (export "memory") 1)
-(table (export "hooks") 16 funcref)
+(table (export "hooks") 64 funcref)
 (type $condition (func (result i32)))
 (global $sp (export "sp") (mut i32) (i32.const 0))
 

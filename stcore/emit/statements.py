@@ -37,7 +37,7 @@ class Statements(Calls):
     def _probe(self, node: s.Node) -> None:
         """Here a probed build can stop."""
         site = self.module.site(self.source, node, self.pou.name, "", "")
-        self.module.probed[site] = None
+        self.module.probed[site] = self.number
         self.sites[node] = site
         this = self.this_address() if self.pou.type is not None else "(i32.const 0)"
         self.line(f"(call $stop (i32.const {site}) (i32.const {self.number}) {this} (local.get $fp))")

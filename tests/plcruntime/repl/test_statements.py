@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pytest
+
 from plcruntime import PLC
 from plcruntime.debugger import Debugger
 from plcruntime.plc import build
@@ -142,10 +144,77 @@ def test_a_loop_that_does_not_end_is_a_fault_while_there_are_breakpoints(tmp_pat
     repl.session.close()
 
 
-def test_a_changed_source_is_refused(prompt, source):
-    source.write_text(source.read_text().replace("lim : INT := 10", "lim : INT := 11"))
+@pytest.mark.parametrize(
+    "edit", [("lim : INT := 10", "lim : INT := 11"), ("n := n + 1;", "n := n + 2;"), ("acc(d := 2);", "")]
+)
+def test_a_changed_source_is_refused(prompt, source, edit):
+    before = source.read_text()
+    source.write_text(before.replace(*edit))
     assert "has changed" in prompt("next")
     assert prompt("step") == "1 scan, 0.001 s"
+    source.write_text(before)
+    assert prompt("next").endswith("n := n + 1;")
+
+
+def test_a_changed_file_beside_the_source_is_refused(source, capsys):
+    source.write_text("PROGRAM P\nVAR n : INT; END_VAR\nn := Other(n);\nEND_PROGRAM\n")
+    other = "FUNCTION Other : INT\nVAR_INPUT a : INT; END_VAR\nOther := a + %d;\nEND_FUNCTION\n"
+    (source.parent / "Other.st").write_text(other % 1)
+    repl = Repl(PLC.load(source))
+    (source.parent / "Other.st").write_text(other % 12)
+    repl.handle("next")
+    assert "has changed" in capsys.readouterr().out
+    repl.session.close()
+
+
+@pytest.fixture
+def loop(tmp_path):
+    """A debugger that counts how often the module has called it."""
+    text = "FOR i := 0 TO 4 DO\n  k := k + 1;\nEND_FOR\nn := n + 1;" + "\nk := k;" * 20
+    (tmp_path / "p.st").write_text(f"PROGRAM P\nVAR n, i, k : INT; END_VAR\n{text}\nEND_PROGRAM")
+    debugger = Debugger(PLC.load(tmp_path / "p.st"))
+    debugger.attach()
+    called, usual = [], debugger._probed.on_probe
+    debugger._probed.on_probe = lambda *where: (called.append(where), usual(*where))
+    debugger.calls = called
+    return debugger
+
+
+def test_simple_conditions_are_asked_inside_the_module(loop):
+    loop.breakpoints.add("P", 4, "n = 90 AND i = 3")
+    outcome = loop.run(200)
+    plc = loop._plc
+    assert outcome.stop.breakpoint == 1 and plc.scans == 90 and plc.evaluate("P.n") == 90
+    assert loop.evaluate("i").value == 3 and len(loop.calls) == 1
+    loop.run(10)
+    assert plc.scans == 100 and plc["P.n"] == 100 and len(loop.calls) == 1
+
+
+def test_a_condition_that_may_fail_is_asked_by_the_host(loop):
+    loop.breakpoints.add("P", 4, "k / (n - 20) > 1000")  # no fault of the program
+    outcome = loop.run(200)
+    assert outcome.stop.note.startswith("the condition failed") and loop._plc.scans == 20
+    assert loop._plc.fault is None and len(loop.calls) == 101
+
+
+def test_two_conditions_at_one_statement(loop):
+    loop.breakpoints.add("P", 6, "n = 7")
+    loop.breakpoints.add("P", 6, "n = 5")
+    assert [loop.run(100).stop.breakpoint for _ in range(2)] == [2, 1]
+    assert loop._plc.scans == 7 and loop.run(100).stop is None
+
+
+def test_more_conditions_than_the_module_has_room_for(loop):
+    for line in (4, 6):
+        for _ in range(20):
+            point = loop.breakpoints.add("P", line, "n = 1000")
+            loop.run(1)
+            loop.breakpoints.remove(point.number)
+    for n in range(20):
+        loop.breakpoints.add("P", 7 + n, f"n = {80 - n}")
+    stops = [loop.run(1000).stop.breakpoint - 40 for _ in range(20)]
+    assert stops == list(range(20, 0, -1)) and loop._plc.scans == 79
+    assert 20 < len(loop.calls) < 20 + 5 * 41  # four were asked by the host
 
 
 def test_the_variables_of_both_builds_of_a_motion_program_lie_alike():
