@@ -87,9 +87,9 @@ def test_5_3_takes_every_rising_edge():
         """The motor, its servo off, is moved; then the probe is triggered."""
         axis.offset = position
         plc.scan()
-        plc["ECAT.Drive[1].probe1"] = True
+        plc["SIM.Axis[1].switches.probe1"] = True
         plc.scan(2)
-        plc["ECAT.Drive[1].probe1"] = False
+        plc["SIM.Axis[1].switches.probe1"] = False
         plc.scan()
 
     capture(111.0)

@@ -23,7 +23,7 @@ class Probe:
     def input(self, n, value):
         """Set an input and give the position that it captures."""
         at = round(self.bus.axis.position)
-        self.bus.plc[f"ECAT.Drive[1].probe{n}"] = value
+        self.bus.plc[f"SIM.Axis[1].switches.probe{n}"] = value
         self.bus.scan(3)
         return at
 
