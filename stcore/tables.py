@@ -84,13 +84,13 @@ def _compact(lark_table) -> Table:
                 if argument not in rules:
                     rules[argument] = len(rules)
                     lengths.append(len(argument.expansion))
-                    origins.append(nonterminals.setdefault(argument.origin.name, len(nonterminals)))
+                    origins.append(nonterminals.setdefault(str(argument.origin.name), len(nonterminals)))
                     names.append(argument.alias or "pass_on")
                 terminals[state][KIND[symbol]] = ~rules[argument]
             elif symbol in KIND:
                 terminals[state][KIND[symbol]] = argument
             else:
-                gotos[state][nonterminals.setdefault(symbol, len(nonterminals))] = argument
+                gotos[state][nonterminals.setdefault(str(symbol), len(nonterminals))] = argument
     units = {i for i, (n, name) in enumerate(zip(lengths, names, strict=True)) if name == "pass_on" and n == 1}
     names = ["nothing" if n == "pass_on" and i not in units else n for i, n in enumerate(names)]
     starts = {name: lark_table.start_states[name] for name in STARTS}

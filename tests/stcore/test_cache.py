@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from stcore import cache, prune
+from stcore import cache, prune, tables
 
 
 @pytest.fixture
@@ -52,3 +52,11 @@ def test_the_oldest_goes_first(folder, monkeypatch):
     prune.prune(folder, now)
     left = sorted(p.name for p in folder.rglob("b*") if p.is_file())
     assert left == [f"b{i}" for i in range(5)]
+
+
+def test_the_parse_table_is_read_without_lark(folder):
+    """Importing Lark takes as long as parsing a thousand lines."""
+    made = tables.load()
+    (stored,) = (folder / "table").rglob("*/*")
+    assert b"lark" not in stored.read_bytes()
+    assert tables.load() == made
