@@ -359,3 +359,119 @@ def test_a_command_behind_a_cam_that_is_over_begins_at_once(bench):
     assert not bench["gear.Busy"] and bench["ax.fSetPosition"] == 100.0
     bench.start("gear", 3)
     assert bench["gear.Active"] and bench.outputs("cam") == "CommandAborted"
+
+
+def test_a_gear_takes_changed_inputs(bench):
+    bench.start("run", 100, Velocity=400.0)
+    bench.start("gear", RatioNumerator=1, ContinuousUpdate=True, **GEAR)
+    bench.until("gear.InGear")
+    bench["gear.RatioNumerator"] = 2
+    bench["gear.Acceleration"] = 2000.0
+    bench.scan(2)
+    assert bench["gear.Active"] and not bench["gear.InGear"]
+    assert bench.until("gear.InGear") == pytest.approx(199, abs=2)  # 400 u/s with 2000 u/s2
+    bench["gear.RatioDenominator"] = 0  # is none
+    bench.scan(10)
+    assert bench["ax.fSetVelocity"] == pytest.approx(800.0) and bench["gear.InGear"]
+    bench["gear.ContinuousUpdate"] = False
+    bench["gear.RatioDenominator"] = 4
+    bench.scan(10)
+    assert bench["ax.fSetVelocity"] == pytest.approx(800.0)
+
+
+def test_combined_axes_take_changed_ratios(bench):
+    bench["ax.fSWMaxAcceleration"] = bench["ax.fSWMaxDeceleration"] = 5000.0
+    bench.start("run", Velocity=300.0)
+    bench.start("run3", 300, Velocity=100.0)
+    bench.start("combine", ContinuousUpdate=True)
+    bench.until("combine.InSync")
+    bench["combine.GearRatioNumeratorM2"] = -1
+    bench.scan(2)
+    assert not bench["combine.InSync"]
+    assert bench.until("combine.InSync") == pytest.approx(39, abs=2)  # 400 to 200 u/s with 5000 u/s2
+    assert bench["ax.fSetVelocity"] == pytest.approx(200.0)
+
+
+@pytest.mark.parametrize("block", ["gear", "meet", "cam"])
+def test_a_coupling_started_anew_with_wrong_values_goes_on(bench, block):
+    bench.start("run", Velocity=200.0)
+    if block == "cam":
+        cam(bench, RISE)
+        camin(bench, StartMode=2, VelocityDiff=300.0)
+        wrong = {"MasterScaling": 0.0}
+    elif block == "meet":
+        bench.start("meet", MasterSyncPosition=60.0, SlaveSyncPosition=30.0, RatioNumerator=1)
+        wrong = {"MasterSyncPosition": 500.0, "SlaveSyncPosition": -500.0, "Velocity": 250.0}
+    else:
+        bench.start("gear", RatioNumerator=1)
+        wrong = {"Acceleration": 0.0}
+    bench.scan(500)
+    away = bench["ax.fSetPosition"] - bench["master.fSetPosition"]
+    bench.start(block, **wrong)
+    assert bench.outputs(block) == "Error" and bench.state == "synchronized"
+    bench.scan(100)
+    if block == "cam":
+        t = bench["master.fSetPosition"] / 200
+        assert bench["ax.fSetPosition"] == pytest.approx(100 * t**3 * (10 - 15 * t + 6 * t * t))
+    else:
+        assert bench["ax.fSetPosition"] - bench["master.fSetPosition"] == pytest.approx(away)
+
+
+def test_a_cam_takes_changed_offsets(bench):
+    cam(bench, RISE)
+    camin(bench, StartMode=2, VelocityDiff=100.0, ContinuousUpdate=True)
+    bench.start("run", 100, Velocity=50.0)
+    assert bench["cam.InSync"]
+    bench["cam.SlaveOffset"] = 20.0
+    bench.scan(2)
+    assert not bench["cam.InSync"] and bench["cam.Active"]
+    assert bench.until("cam.InSync") == pytest.approx(209, abs=3)  # 20 u with 100 u/s and 10 000 u/s2
+    t = bench["master.fSetPosition"] / 200
+    assert bench["ax.fSetPosition"] == pytest.approx(20 + 100 * t**3 * (10 - 15 * t + 6 * t * t), abs=0.02)
+    bench["cam.SlaveScaling"] = 0.0  # is none
+    bench.scan(2)
+    assert bench["cam.InSync"]
+
+
+def test_a_cam_without_a_ramp_takes_a_scaling_where_it_does_not_jump(bench):
+    cam(bench, RISE)
+    camin(bench, ContinuousUpdate=True)
+    bench.start("run", 1000, Velocity=200.0)
+    assert bench["ax.fSetPosition"] > 90.0
+    bench["cam.SlaveScaling"] = 0.5
+    bench.scan(2)
+    assert bench["ax.fSetPosition"] > 90.0
+    bench.scan(1998)
+    assert bench["ax.fSetPosition"] == pytest.approx(50.0, abs=1.0)
+
+
+@pytest.mark.parametrize(("at", "way", "speed"), [(100.0, 80.0, 0.9375), (0.0, 80.0, 0.0), (250.0, 120.0, -0.5273)])
+def test_a_cam_is_joined_at_a_position_of_the_master(bench, at, way, speed):
+    """From MasterStartDistance before MasterSyncPosition on the slave goes to the cam; speed: of the cam there."""
+    cam(bench, RISE)
+    camin(bench, MasterSyncPosition=at, MasterStartDistance=way, SlaveOffset=30.0)
+    assert bench["cam.Busy"] and bench.state == "synchronized"
+    bench.start("run", 40, Velocity=400.0, Acceleration=4000.0)
+    turn = at if at >= way else at + 400.0
+    while bench["master.fSetPosition"] < turn - way - 1.0:
+        bench.scan()
+        assert bench["ax.fSetPosition"] == 0.0 and not bench["cam.InSync"]
+    bench["jumpV"] = 0.0
+    bench.until("cam.InSync", 300)
+    assert bench["master.fSetPosition"] == pytest.approx(turn, abs=0.9)
+    assert bench["ax.fSetVelocity"] == pytest.approx(400.0 * speed, abs=4.0)
+    for _ in range(20):
+        bench.scan(20)
+        x = bench["master.fSetPosition"] % 400
+        t = x / 200 if x < 200 else 2 - x / 200
+        assert bench["ax.fSetPosition"] == pytest.approx(30.0 + 100 * t**3 * (10 - 15 * t + 6 * t * t))
+
+
+def test_the_master_turns_on_the_way_to_a_cam(bench):
+    cam(bench, RISE)
+    camin(bench, MasterSyncPosition=100.0, MasterStartDistance=80.0, SlaveOffset=30.0)
+    bench.start("run", 200, Velocity=400.0)
+    assert bench["cam.Active"]
+    bench["calm"] = False
+    bench.start("run", 300, Velocity=-400.0, Direction=1)
+    assert bench["cam.ErrorID"] == 775 and bench.state == "errorstop"
