@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from fnmatch import fnmatchcase
+from itertools import zip_longest
 
 from stcore import syntax as s
 from stcore import types as t
@@ -164,13 +165,31 @@ class Use:
             pou = self._called(call.callee.name)
             if pou is None:
                 continue
-            named = {key(p.name): p for p in pou.parameters}
-            for i, arg in enumerate(call.args):
-                positional = pou.inputs()[i] if arg.name is None and i < len(pou.inputs()) else None
-                parameter = named.get(key(arg.name)) if arg.name else positional
-                if parameter is not None and (kind := self._from_parameter(arg.value, parameter)) is not None:
-                    return kind
+            bound = self._bound(call, pou)
+            for parameter, value in bound:
+                if (kind := self._from_parameter(value, parameter)) is not None:
+                    bytes_at = isinstance(parameter.type, t.Pointer) and kind.size == 1
+                    return bytes_at and self._buffer(bound) or kind
         return None
+
+    @staticmethod
+    def _bound(call: s.Call, pou: Pou) -> list[tuple[Var, s.Node | None]]:
+        """The parameters of a call and what they are given; a core number in front of them is left out."""
+        inputs, args = pou.inputs(), call.args
+        if len(args) == len(inputs) + 1 and isinstance(args[0].value, s.Literal):
+            args = args[1:]
+        named = {key(p.name): p for p in pou.parameters}
+        given = [(named.get(key(a.name)) if a.name else p, a.value) for a, p in zip_longest(args, inputs) if a]
+        return [(p, value) for p, value in given if p is not None]
+
+    @staticmethod
+    def _buffer(bound: list[tuple[Var, s.Node | None]]) -> t.Type | None:
+        """Of bytes whose address is taken: as many as the parameter 'nSize' or the like of the same call says."""
+        sizes = [v for p, v in bound if key(p.name).endswith("SIZE") and isinstance(v, s.Literal)]
+        if len(sizes) != 1 or not isinstance(sizes[0].value, int) or sizes[0].value < 1:
+            return None
+        whole = {1: t.BYTE, 2: t.WORD, 4: t.DWORD, 8: t.LWORD}
+        return whole.get(sizes[0].value) or t.Array(t.BYTE, [(0, sizes[0].value - 1)])
 
     def _called(self, name: str) -> Pou | None:
         """The function of a name, or the block that it is, or is an instance of."""
@@ -182,7 +201,8 @@ class Use:
     def _from_parameter(self, value: s.Node | None, parameter: Var) -> t.Type | None:
         if _is(value, self.name):
             return parameter.type
-        taken = isinstance(value, s.Call) and _is(value.callee, "ADR") and value.args and _is(value.args[0].value, self.name)
+        address = isinstance(value, s.Call) and _is(value.callee, "ADR") and value.args
+        taken = address and _is(value.args[0].value, self.name)
         return parameter.type.target if taken and isinstance(parameter.type, t.Pointer) else None
 
     def _assigned(self) -> t.Type | None:

@@ -170,6 +170,24 @@ def test_the_io_calls_of_5_2_2_5():
     assert [plc[f"ECAT.image[{k}]"] for k in range(2, 12)] == [0xEF, 0xBE, 1, 0, 2, 0, 3, 0, 0x34, 0x12]
 
 
+def test_the_calls_as_printed():
+    """No declarations: the number of bytes says what the variables are."""
+    plc = PLC.load(LISTINGS / "06_pdo_raw_data_calls.st")
+    plc["PLC_PRG.wOutput"] = 0x1122
+    plc["ECAT.image[38]"], plc["ECAT.image[39]"] = 0xCD, 0xAB
+    plc.scan()
+    assert plc["PLC_PRG.wInput"] == 0xABCD and plc["PLC_PRG.wOutput"] == 0x1122
+    assert [plc[f"ECAT.image[{k}]"] for k in (32, 33, 36, 37)] == [0x22, 0x11, 0x22, 0x11]
+    plc = PLC.load(LISTINGS / "07_ecat_io_calls.st")
+    for k in range(10):
+        plc[f"ECAT.image[{14 + k}]"] = k
+    plc["PLC_PRG.wDOutput"], plc["PLC_PRG.arrAOutput1234"] = 0xBEEF, 0x1234000300020001
+    plc.scan()
+    assert [plc[f"PLC_PRG.{n}"] for n in ("wDInput", "wAInput1", "wAInput2")] == [0x0100, 0x0302, 0x0504]
+    assert plc["PLC_PRG.arrAInput34"] == 0x09080706
+    assert [plc[f"ECAT.image[{k}]"] for k in range(2, 12)] == [0xEF, 0xBE, 1, 0, 2, 0, 3, 0, 0x34, 0x12]
+
+
 # ------------------------------------------------------------------------------------------- 5-5
 
 
