@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING
 
 from plcruntime.breakpoints import Breakpoint, Breakpoints
 from plcruntime.errors import UsageError
-from plcruntime.instances import instance_path
 from plcruntime.typed import Result
 from stcore.known import Scene
+from stcore.paths import instance_at
 from stcore.program import DEPTH, HOOK_SLOTS, STOP, STOP_DEPTH, Body, Program, Site
 from stcore.side import condition
 
@@ -324,7 +324,9 @@ class Debugger:
         depth = struct.unpack_from("<i", memory, DEPTH)[0]
         where = program.bodies[body]
         stepping = struct.unpack_from("<i", memory, STOP)[0] == 2
-        stop = Stop(program.sites[site], where, this, frame, depth, instance_path(program, where, this))
+        block = where.block if where.block is not None and where.block.kind != "PROGRAM" else None
+        path = block and instance_at(program, block, this) or where.pou
+        stop = Stop(program.sites[site], where, this, frame, depth, path)
         point = next((p for p in self.breakpoints.at(site) if self._holds(p, stop)), None)
         if point is not None:
             stop.breakpoint = point.number

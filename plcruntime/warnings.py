@@ -76,8 +76,7 @@ def _instance(program: Program, address: int) -> str:
 def _axis_path(plc: PLC, number: int) -> str:
     """The program's own name for an axis."""
     address = int.from_bytes(_bytes(plc, plc.place(f"SIM.Axis[{number}].ref")), "little")
-    found: list[Place] = paths.around(plc.program, address)
-    return next((p.name for p in found if p.type.name == "AXIS_REF_SM3" and p.address == address), "")
+    return paths.instance_at(plc.program, plc.program.types["AXIS_REF_SM3"], address)
 
 
 def _bytes(plc: PLC, place: Place) -> bytes:

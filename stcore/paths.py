@@ -7,7 +7,7 @@ do not have is looked for in the library's global lists, so that ``Axis[1].prfPo
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from stcore.program import NULL_PAGE, Program, Variable
@@ -283,10 +283,16 @@ def user_places(program: Program) -> list[Place]:
 
 def around(program: Program, address: int) -> list[Place]:
     """What lies around an address: the user's variable, its member, that one's member, and so on inwards."""
-    for place in user_places(program):
-        if not place.hops and place.address <= address < place.address + place.size:
-            return [place, *_inwards(place, address)]
+    for v in program.variables.values():
+        if not v.library and v.address <= address < v.address + v.type.size:
+            whole = _root(v)
+            return [*([] if getattr(v.type, "kind", "") == "PROGRAM" else [whole]), *_inwards(whole, address)]
     return []
+
+
+def instance_at(program: Program, wanted: Block | Struct, address: int) -> str:
+    """The path of the user's block instance or structure that begins at an address; "" where none does."""
+    return next((p.name for p in around(program, address) if p.type is wanted and p.address == address), "")
 
 
 def _inwards(place: Place, address: int) -> Iterator[Place]:
@@ -295,7 +301,8 @@ def _inwards(place: Place, address: int) -> Iterator[Place]:
         if isinstance(t, Array):
             inner = _element(place, _indices_of(t, (address - place.address) // t.element.size))
         elif isinstance(t, Struct | Block):
-            own = (of_field(place, f) for f in t.members.values() if not f.by_reference and f.section != "VAR_STAT")
+            own = (of_field(place, f) for f in t.members.values()
+                   if not f.by_reference and f.section not in ("VAR_TEMP", "VAR_STAT"))  # fmt: skip
             inner = next((p for p in own if p.address <= address < p.address + p.size), None)
         if inner is None:
             return
@@ -327,16 +334,19 @@ def is_scalar(place: Place) -> bool:
     return isinstance(t, Elementary) and t.kind != "char"
 
 
-def leaves(place: Place) -> Iterator[Place]:
-    """The place itself when it is no array, structure or instance; else all that it is made of."""
+def leaves(place: Place, own: Callable[[Block], bool] = lambda _: True) -> Iterator[Place]:
+    """The place itself when it is no array, structure or instance; else all that it is made of. own: whether that goes
+    for the inner variables of a block, too; else it is its inputs and outputs."""
     t = place.type
     if isinstance(t, Array):
         for i in range(t.size // t.element.size if t.element.size else 0):
-            yield from leaves(_element(place, _indices_of(t, i)))
+            yield from leaves(_element(place, _indices_of(t, i)), own)
     elif isinstance(t, Struct | Block):
+        outer_only = isinstance(t, Block) and not own(t)
         for f in t.members.values():
-            if not f.by_reference and f.section not in ("VAR_TEMP", "VAR_STAT"):
-                yield from leaves(of_field(place, f))
+            inner = f.section in ("VAR_TEMP", "VAR_STAT") or outer_only and f.section not in ("VAR_INPUT", "VAR_OUTPUT")
+            if not f.by_reference and not inner:
+                yield from leaves(of_field(place, f), own)
     else:
         yield place
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from plcruntime.axes import ROOT
-from plcruntime.instances import path_at
 from plcruntime.plc import PLC
+from stcore.paths import instance_at
 
 HEADS = ("axis", "name", "state", "set position", "velocity", "actual position", "status", "signals")
 _SIGNALS = {
@@ -43,4 +43,4 @@ def _row(plc: PLC, number: int) -> tuple[str, ...]:
 def _name(plc: PLC, number: int, ref: int) -> str:
     """Of the plc.toml, else of the AXIS_REF_SM3."""
     configured = next((a.name for a in plc.project.axes if a.number == number and a.name), "")
-    return configured or ref and path_at(plc.program, plc.place(f"{ROOT}[{number}].ref^").type, ref) or ""
+    return configured or ref and instance_at(plc.program, plc.place(f"{ROOT}[{number}].ref^").type, ref) or ""
