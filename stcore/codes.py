@@ -132,7 +132,7 @@ CODES: dict[str, Code] = {
     # --- E06: constants and initial values
     "E0601": Code("an integer constant is needed here"),
     "E0602": Code("{value} is outside {low}..{high} of {type}"),
-    "E0603": Code("{op} by the constant 0"),
+    "E0603": Code("division by the constant 0"),
     "E0604": Code("a list of values can only be an initial value"),
     "E0605": Code("a list of values can't initialise {type}"),
     "E0606": Code("{given} values for an array of {room}"),

@@ -73,6 +73,7 @@ class Machine:
         self.reporter = reporter
         self.mend = mend
         self.prompt = prompt
+        self.whole = True  # a file; not what was typed, which has no end of a file
         self.context = build.Context(tokens, reporter)
         self.table = _table()
         self.states: list[int] = []
@@ -83,6 +84,7 @@ class Machine:
     def run(self, start: str):
         """The value of the start symbol, or None when no repair leads to one."""
         tokens = self.tokens
+        self.whole = start == "file"
         self.states.append(self.table.starts[start])
         at = 0
         while True:

@@ -83,7 +83,7 @@ class Repairs:
 
     def found(self, token: int) -> str:
         """A token as a message shows it."""
-        text = self.tokens.texts[token] or word(0)
+        text = self.tokens.texts[token] or (word(0) if self.machine.whole else "the end")
         return text if len(text) <= 40 else f"{text[:37]}..."
 
     def report_gap(self, code: str, at: int, **fields) -> None:

@@ -63,8 +63,14 @@ def compile_side(names: Names, text: str, scene: Scene | None = None) -> Side:
     reporter = Reporter()
     body = parse_statements(source, reporter)
     if reporter.failed:
-        raise CompileError(reporter.sorted())
+        raise CompileError(max(reporter.sorted(), quiet.sorted(), key=_reach))
     return _compile(names, source, body, scene)
+
+
+def _reach(diagnostics: list[Diagnostic]) -> tuple[int, int, int]:
+    """How well a text was understood: few errors, the first of them far behind."""
+    errors = [d for d in diagnostics if d.severity == "error"]
+    return -len(errors), errors[0].line, errors[0].column
 
 
 def compile_condition(program: Program, text: str) -> bytes:

@@ -184,9 +184,9 @@ def _bool(path: str, value) -> bool:
     except TypeError:
         number = int(value) if type(value).__name__ == "bool_" or type(value).__name__ == "bool" else None
     if number is None:
-        raise TypeError(f"{path} is BOOL: it takes True or False, not {_shown(value)}")
+        raise TypeError(f"{path} is BOOL: it takes TRUE or FALSE, not {_shown(value)}")
     if number not in (0, 1):
-        raise ValueError(f"{path} is BOOL: it takes True or False, not {_shown(value)}")
+        raise ValueError(f"{path} is BOOL: it takes TRUE or FALSE, not {_shown(value)}")
     return bool(number)
 
 
@@ -370,8 +370,11 @@ def _literal(node: Literal, t: Type, path: str):
 def _shown(value) -> str:
     if isinstance(value, Nanoseconds):
         return f"T#{int(value) / 10**6:.15g}ms"
+    if isinstance(value, bool):
+        return str(value).upper()
     text = repr(value)
-    return f"{text if len(text) <= 40 else text[:37] + '...'} ({type(value).__name__})"
+    kind = "" if isinstance(value, int | float | str) else f" ({type(value).__name__})"
+    return f"{text if len(text) <= 40 else text[:37] + '...'}{kind}"
 
 
 # ------------------------------------------------------------------------------------------------- showing

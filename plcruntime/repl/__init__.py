@@ -56,7 +56,7 @@ class Repl:
             else:
                 self.commands.typed(line)
         except CompileError as error:
-            self.session.say(summary(error.diagnostics) + _meant(line))
+            self.session.say(summary(error.diagnostics) + ("" if name in COMMANDS else _meant(line)))
         except Fault as fault:
             self.session.faulted(fault, fault_text)
         except KeyboardInterrupt:

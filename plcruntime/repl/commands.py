@@ -42,7 +42,7 @@ _TABLE = [
     ("set VAR := VALUE", "write a variable, as VAR := VALUE does: set arr := [1,2,3]", "Variables"),
     ("force [VAR := VALUE]", "hold a variable at a value; without arguments the list", "Variables"),
     ("unforce [VAR]", "release it, or all", "Variables"),
-    ("diff", "what the last movement changed", "Variables"),
+    ("diff [all]", "what the last movement changed; all: inside of library blocks too", "Variables"),
     ("axes [live|TIME]", "the axes in use; live until a key is pressed, or for a time, as the PLC runs", "Variables"),
     ("plot VAR... [to FILE]", "draw the scans so far in the terminal, or into .png, .svg, .html", "Recording"),
     ("trace [VAR...|off|to FILE]", "record variables from now on; write them to .csv or .npz", "Recording"),

@@ -110,11 +110,15 @@ class Looking:
         self.debugger.touch()
 
     def do_diff(self, rest: str) -> None:
-        rows = self.session.changes()
+        if rest.lower() not in ("", "all"):
+            raise UsageError(f"'{rest}' is no diff; there are diff and diff all")
+        rows = self.session.changes(bool(rest))
         if rows:
             self.session.table(("variable", "before", "now"), [tuple(map(self.session.short, r)) for r in rows])
         else:
-            self.session.say("nothing has changed")
+            inside = not rest and self.session.changes(True)
+            more = "outside of library blocks has changed; diff all shows what has inside"
+            self.session.say(f"nothing {more}" if inside else "nothing has changed")
 
     # ----------------------------------------------------------------------------------------------- axes
 

@@ -147,22 +147,26 @@ class Session:
 
     # ------------------------------------------------------------------------------------------- changes
 
-    def changes(self) -> list[tuple[str, str, str]]:
-        """(path, before, after) of every variable of the user that differs from the stop before."""
+    def changes(self, inner: bool) -> list[tuple[str, str, str]]:
+        """(path, before, after) of every variable of the user that differs from the stop before. inner: the inner
+        variables of the library's blocks too."""
+        libraries = [Path(folder) for folder in self.plc.program.libraries]
+        own = (lambda _: True) if inner else lambda block: not any(x in Path(block.file).parents for x in libraries)
         before = bytes(NULL_PAGE) + self.baseline
         now = bytes(NULL_PAGE) + self.image()
         found: list[tuple[str, str, str]] = []
         for place in paths.user_places(self.plc.program):
-            found += self._differing(place, before, now)
+            found += self._differing(place, before, now, own)
         return found
 
-    def _differing(self, place: Place, before: bytes, now: bytes) -> list[tuple[str, str, str]]:
+    @staticmethod
+    def _differing(place: Place, before: bytes, now: bytes, own) -> list[tuple[str, str, str]]:
         if place.hops or before[place.address : place.address + max(place.size, 1)] == now[
             place.address : place.address + max(place.size, 1)
         ]:
             return []
         found = []
-        for leaf in paths.leaves(place):
+        for leaf in paths.leaves(place, own):
             old, new = values.read(before, leaf), values.read(now, leaf)
             if old != new and (old == old or new == new):
                 found.append((leaf.name, values.show(leaf.type, old), values.show(leaf.type, new)))

@@ -121,7 +121,7 @@ class Expressions(Names):
                 kind = self._quotient_type(kind, node)
         node.type = kind
         if right == 0 and node.op in ("/", "MOD") and kind.kind != "real" and kind is not t.REAL_LITERAL:
-            self.error("E0603", node.right, op=node.op)
+            self.error("E0603", node.right)
             return node
         if left is not None and right is not None:
             node.const = arithmetic(node.op, left, right, kind)

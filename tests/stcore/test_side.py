@@ -176,3 +176,17 @@ def test_library_functions_that_the_program_does_not_use():
     side = compile_side(Names(program), "SIN(0.5)")
     address = machine.side(side)(0, 0)
     assert decode(machine.memory, side.type, address) == pytest.approx(0.479425538604203, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    "text, message",
+    [
+        ("n >", "a value is missing before the end"), ("IF n > 3 THEN", "END_IF is missing for the IF at line 1"),
+        ("foo(", ") is missing for the ( at line 1, column 4"), ("n / 0", "division by the constant 0"),
+    ],
+)  # fmt: skip
+def test_what_is_typed_wrong_is_explained_as_what_it_resembles(text, message):
+    program = compile([Source("PROGRAM P VAR n : INT; END_VAR\nn := 1;\nEND_PROGRAM")])
+    with pytest.raises(CompileError) as error:
+        compile_side(Names(program), text)
+    assert error.value.diagnostics[0].message == message

@@ -95,6 +95,18 @@ def test_diff(prompt):
     assert ["PLC_PRG.flag", "FALSE", "TRUE"] in [line.split() for line in text.splitlines()]
 
 
+def test_diff_shows_the_outside_of_library_blocks(prompt):
+    prompt("step 5")
+    prompt("step")
+    changed = {line.split()[0] for line in prompt("diff").splitlines()[1:]}
+    assert {"PLC_PRG.wait.ET", "PLC_PRG.acc.sum", "PLC_PRG.blocks[2].sum"} <= changed
+    assert "PLC_PRG.wait.elapsed" not in changed and "PLC_PRG.wait.elapsed" in prompt("diff all")
+    prompt("diff")
+    prompt.all("next", "PLC_PRG.wait.elapsed := 7")
+    prompt.all("step", "next")
+    assert prompt("diff") == "nothing has changed"
+
+
 def test_snapshots_by_name(prompt, source):
     prompt.all("step 5", "force PLC_PRG.lim := 3", "save five", "unforce", "step 5")
     assert prompt("save") == "snapshots: five"
@@ -204,7 +216,7 @@ def test_a_fault_leaves_the_session_alive(prompt):
         ("axes live", "uses no axis"),
         ("vars zz*", "no variable"),
         ("list 9000", "lines"),
-        ("diff 3", "takes no arguments"),
+        ("diff 3", "no diff"),
         ("next 5", "step 5 runs scans"),
         ("brek Acc:3", "did you mean break, the command?"),
         ("(" * 3000 + "1" + ")" * 3000, ""),
