@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
+from stcore.near import near
+
 SHIPPED = Path(__file__).parent / "config"
 AXES = 12  # of the GT_ controller
 LONGEST = 125  # characters of a file's name (iDEABOX 3, 13 command 83)
@@ -19,6 +21,7 @@ class Setting(NamedTuple):
     whole: bool = False
 
 
+SMALLEST = 1e-9  # stands for 'more than 0'
 SETTINGS = {
     "alarm": Setting(1, 1, AXES, True),
     "limit_positive": Setting(2, 1, AXES, True),
@@ -27,14 +30,14 @@ SETTINGS = {
     "profile_beta": Setting(5, -32766, 32766, True),
     "encoder_alpha": Setting(6, -32766, 32766, True),
     "encoder_beta": Setting(7, -32766, 32766, True),
-    "stop_smooth": Setting(8, 1e-9, 32767),
-    "stop_abrupt": Setting(9, 1e-9, 32767),
+    "stop_smooth": Setting(8, SMALLEST, 32767),
+    "stop_abrupt": Setting(9, SMALLEST, 32767),
     "following_error": Setting(10, 1, 2147483647, True),
     "lag": Setting(11, 0, 1e6),
     "resolution": Setting(12, 0, 1e9),
     "soft_positive": Setting(13, -2147483648, 2147483647),
     "soft_negative": Setting(14, -2147483648, 2147483647),
-    "drive_speed": Setting(15, 1e-9, 1e6),
+    "drive_speed": Setting(15, SMALLEST, 1e6),
     "drive_drift": Setting(16, -32767, 32767, True),
     "pulse_type": Setting(17, 0, 2, True),
 }
@@ -84,7 +87,8 @@ def parse(text: str) -> list[tuple[int, int, float]]:
         if axes is None:
             raise ConfigError(number, "a setting stands below a section [axis N] or [axis *]")
         if name not in SETTINGS:
-            raise ConfigError(number, f"there is no setting '{name}'")
+            meant = near(name, SETTINGS)
+            raise ConfigError(number, f"there is no setting '{name}'" + (f": {meant}" if meant else ""))
         setting = _value(name, value, number)
         for axis in axes:
             found[name, axis] = (setting, number)
@@ -115,7 +119,9 @@ def _value(name: str, text: str, line: int) -> float:
     except ValueError:
         raise ConfigError(line, f"'{text}' is not a number") from None
     if not setting.low <= value <= setting.high or name in SCALES and value == 0:
-        raise ConfigError(line, f"{name} goes from {setting.low:g} to {setting.high:g}")
+        low = f"from {setting.low:g}" if setting.low != SMALLEST else "from more than 0"
+        zero = ", without 0" if name in SCALES else ""
+        raise ConfigError(line, f"{name} goes {low} to {setting.high:.10g}{zero}")
     if setting.whole and value != int(value):
         raise ConfigError(line, f"{name} is a whole number")
     return value

@@ -36,6 +36,15 @@ def test_wrong_lines_are_named(text, line):
     assert caught.value.line == line
 
 
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [("alarmm = 1", "did you mean alarm"), ("stop_smooth = 0", "more than 0 to 32767"), ("profile_beta = 0", "without 0")],
+)
+def test_what_is_wrong_is_told(line, words):
+    with pytest.raises(configuration.ConfigError, match=words):
+        configuration.parse(f"[axis 1]\n{line}")
+
+
 def test_every_setting_is_documented():
     documented = set(re.findall(r"`([a-z_]+)`", DOC.read_text(encoding="utf-8")))
     assert set(configuration.SETTINGS) <= documented
