@@ -38,7 +38,7 @@ def test_wrong_lines_are_named(text, line):
 
 @pytest.mark.parametrize(
     ("line", "words"),
-    [("alarmm = 1", "did you mean alarm"), ("stop_smooth = 0", "more than 0 to 32767"), ("profile_beta = 0", "without 0")],
+    [("alarmm = 1", "mean alarm"), ("stop_smooth = 0", "more than 0 to 32767"), ("profile_beta = 0", "without 0")],
 )
 def test_what_is_wrong_is_told(line, words):
     with pytest.raises(configuration.ConfigError, match=words):
