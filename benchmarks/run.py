@@ -272,7 +272,9 @@ def machine_description() -> str:
     )
 
 
-def report(rows: list[dict], traces: list[dict], moves: list[dict], big: dict, start: tuple[str, float], machine: str) -> str:
+def report(
+    rows: list[dict], traces: list[dict], moves: list[dict], big: dict, start: tuple[str, float], machine: str
+) -> str:
     lines = [
         "# Results",
         "",
@@ -311,7 +313,8 @@ def report(rows: list[dict], traces: list[dict], moves: list[dict], big: dict, s
         "| program | variables | ns a scan | with the trace | ratio |",
         "|---|--:|--:|--:|--:|",
         *(
-            f"| {t['name']} | {t['variables']:,} | {t['plain']:,.0f} | {t['traced']:,.0f} | {t['traced'] / t['plain']:.2f} |"
+            f"| {t['name']} | {t['variables']:,} | {t['plain']:,.0f} | {t['traced']:,.0f} |"
+            f" {t['traced'] / t['plain']:.2f} |"
             for t in traces
         ),
         "",

@@ -153,8 +153,7 @@ class Debugger:
         from plcruntime.plc import build
         from stcore.machine import load_module
 
-        source, config, strict = self._plc.origin
-        program, _ = build(source, config, strict=strict, probes=True)
+        program, _ = build(**self._plc.origin, probes=True)
         load_module(program.wasm)  # to machine code, kept in the cache
         return program
 
@@ -299,7 +298,7 @@ class Debugger:
             reached = False
             while order.left > 0 and not reached:
                 before = self._engine.scans
-                # what is recorded can't be taken out in the middle of a scan, so that nothing may be left of scans before
+                # what is recorded can't be taken out in the middle of a scan: nothing may be left of scans before
                 count = 1 if self._engine.recorder.active else order.left
                 reached = self._engine.advance(count, until=order.until, realtime=order.realtime)
                 if self._touched:

@@ -1,4 +1,4 @@
-"""stcore: Structured Text (IEC 61131-3) compiled to WebAssembly. It knows no motion, no project files, no wall clock."""
+"""stcore: Structured Text (IEC 61131-3) compiled to WebAssembly. It knows no motion, no project files, no clock."""
 
 from stcore.compiler import compile, compile_condition, diagnose
 from stcore.diagnostics import CompileError, Diagnostic

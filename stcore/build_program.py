@@ -81,14 +81,14 @@ def _build(
     program.libraries = [str(x) for x in libraries]
     named = {x.path for x in sources}
     used = [p for p in project.loaded if p not in named]
-    folders = {str(Path(p).parent) for p in (*named, *used) if Path(p).is_file()}
+    folders = {str(Path(p).parent) for p in used if Path(p).is_file()} | {str(x.folder) for x in sources if x.folder}
     return program, used + sorted(folders)
 
 
 def _checked(sources: list[Source], libraries: Sequence[Path], strict: bool, *, own_only: bool = False):
     """Read and check everything that the user wrote, and what it needs; own_only: not the bodies of the library."""
     reporter = Reporter(strict)
-    folders = list(dict.fromkeys(Path(x.path).parent for x in sources if Path(x.path).is_file()))
+    folders = [folder for folder in dict.fromkeys(x.folder for x in sources) if folder is not None]
     project = CheckedProject(reporter, list(libraries), folders)
     project.own_only = own_only
     trees = [project.add_file(source) for source in sources]
@@ -126,7 +126,9 @@ def _sections(unit: s.Node) -> list[s.VarSection]:
     return unit.sections if isinstance(unit, s.Configuration) else []
 
 
-def _tasks(project: CheckedProject, pous: list[Pou], reporter: Reporter, sources: list[Source]) -> list[TaskSpec] | None:
+def _tasks(
+    project: CheckedProject, pous: list[Pou], reporter: Reporter, sources: list[Source]
+) -> list[TaskSpec] | None:
     """Of a CONFIGURATION; else one task with PLC_PRG, MAIN or the only program."""
     configured = configuration.tasks(project)
     if configured:

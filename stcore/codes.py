@@ -42,7 +42,7 @@ CODES: dict[str, Code] = {
     "E0122": Code("the ACTION {name} belongs to no program or function block", "write it after the one it belongs to"),
     "E0123": Code("{text} values are too many to write out"),
     "E0124": Code("a statement before the first label of CASE", "write the value it is for and a colon in front"),
-    "E0125": Code("ELSE IF opens a second IF, whose END_IF is missing", "write ELSIF, which needs no END_IF of its own"),
+    "E0125": Code("ELSE IF opens a second IF, whose END_IF is missing", "write ELSIF, which needs no END_IF"),
     "E0126": Code("{what} belongs before the statements", "move it up"),
     "E0127": Code("too many errors; the rest of the file is not read"),
     "E0128": Code("{name} is a reserved word and can't be a name", "choose another name"),

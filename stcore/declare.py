@@ -203,7 +203,8 @@ class Declarer:
             return Init(decl.init, self.source, pou, self.library)
         if isinstance(decl.type, s.NamedType):
             if decl.type.args:
-                return Init(s.StructInit(decl.type.start, decl.type.end, decl.type.args), self.source, pou, self.library)
+                given = s.StructInit(decl.type.start, decl.type.end, decl.type.args)
+                return Init(given, self.source, pou, self.library)
             return self.project.type_inits.get(key(decl.type.name))
         return None
 
@@ -235,7 +236,8 @@ class Declarer:
     def _constant(self, var: Var) -> None:
         """Evaluate a CONSTANT, if it is one that a value can stand for."""
         if var.init is None:
-            self.project.reporter.add("W0202", self.source, var.decl.start, var.decl.start + len(var.name), name=var.name)
+            start = var.decl.start
+            self.project.reporter.add("W0202", self.source, start, start + len(var.name), name=var.name)
         elif not t.is_aggregate(var.type) or isinstance(var.type, t.String):
             if not isinstance(var.init.node, s.ArrayInit | s.StructInit):
                 var.const = self.project.evaluate(var, self.source, var.owner, self.library)

@@ -47,7 +47,7 @@ def locate(program: Program, memory: memoryview, code: str, frames: list[tuple[i
     """The fault of a trap. frames: (function index, offset in the module), innermost first."""
     found = _sites(program, frames)
     sites = [s for s in found if s is not None]
-    whole = not found or found[-1] is None  # the scan loop has no site; of a deep nesting the outer frames are not known
+    whole = not found or found[-1] is None  # the scan loop has no site; a deep nesting hides the outer frames
     if len(sites) > 1 and sites[0].code == "F0105":
         sites = sites[1:]  # the call, not the function that had no room
         code = "F0105"

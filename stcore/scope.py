@@ -63,7 +63,7 @@ class Pou:
 
     type: the Block of its instances (None for a function). variables: upper-case name -> Var. parameters: the inputs,
     in-outs and outputs in order of declaration. result: the variable of a function's name. bindings: what the type
-    names of a generic function stand for in this instance of it. uses: the POUs and global variables that its code needs.
+    names of a generic function stand for in this instance of it. uses: the POUs and globals that its code needs.
     calls: how many places call it.
     """
 

@@ -1,4 +1,4 @@
-"""The events of a run: stimuli, commands that returned errors, blocks in error, warnings, axes in errorstop, a fault."""
+"""The events of a run: stimuli, commands that returned errors, blocks in error, warnings, axes in errorstop, faults."""
 
 from __future__ import annotations
 
@@ -145,8 +145,8 @@ def sources_of(plc) -> list[tuple[str, str]]:
 
     files = [f for f in plc.program.files if Path(f).is_file() and not _of_library(plc, Path(f))]
     found = [(f, read(f).text) for f in files]
-    if not found and plc.origin and isinstance(plc.origin[0], str) and "\n" in plc.origin[0]:
-        found = [("<text>", plc.origin[0])]
+    if not found and plc.origin and isinstance(plc.origin["source"], str) and "\n" in plc.origin["source"]:
+        found = [("<text>", plc.origin["source"])]
     return found
 
 

@@ -21,7 +21,7 @@ _CONVERSION = re.compile(r"(?:([A-Z_]+?|[A-Z]+)_)?TO_([A-Z_]+)$")
 
 
 def conversion_types(name: str) -> tuple[t.Elementary | None, t.Elementary] | None:
-    """INT_TO_REAL -> (INT, REAL), TO_INT and ANY_TO_INT -> (None, INT), else None; of strings they are the library's."""
+    """INT_TO_REAL -> (INT, REAL), TO_INT and ANY_TO_INT -> (None, INT), else None; those of strings are in ST."""
     match = _CONVERSION.match(name.removeprefix("ANY_"))
     if not match:
         return None
@@ -208,7 +208,8 @@ def _shifted(name: str, value: int, count: int, kind: t.Elementary) -> int:
 
 
 _OPERATORS = {
-    "ADD": "+", "SUB": "-", "MUL": "*", "DIV": "/", "MOD": "MOD", "EQ": "=", "NE": "<>", "GT": ">", "GE": ">=", "LT": "<",
+    "ADD": "+", "SUB": "-", "MUL": "*", "DIV": "/", "MOD": "MOD", "EQ": "=", "NE": "<>", "GT": ">", "GE": ">=",
+    "LT": "<",
     "LE": "<=", "AND": "AND", "OR": "OR", "XOR": "XOR",
 }  # fmt: skip
 
@@ -296,7 +297,8 @@ def _bitadr(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
     if not isinstance(var, Var) or var.storage != "area":
         checker.error("E0403", node, name=checker.text(value))
         return checker.wrong(node)
-    node.type, node.const = t.DWORD, {"I": 0x80000000, "Q": 0x40000000, "M": 0}[var.area] + var.address * 8 + (var.bit or 0)
+    area = {"I": 0x80000000, "Q": 0x40000000, "M": 0}[var.area]
+    node.type, node.const = t.DWORD, area + var.address * 8 + (var.bit or 0)
     return node
 
 

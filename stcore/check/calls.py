@@ -175,7 +175,8 @@ class Calls(Expressions):
             return value.operand.type if hasattr(value, "operand") and value.const is None else value.type
 
         given = [v for _, v in call.values if v is not None]
-        return any(origin(v) is t.REAL for v in given) and all(origin(v) is t.REAL or v.const is not None for v in given)
+        real = [origin(v) is t.REAL for v in given]
+        return any(real) and all(r or v.const is not None for r, v in zip(real, given, strict=True))
 
     def _chain(self, node: s.Call, pou: Pou) -> s.Node:
         """CONCAT(a, b, c): CONCAT(CONCAT(a, b), c)."""

@@ -270,7 +270,8 @@ class Expressions(Places):
         mark = self.marker(node, "F0103", self.source.text[node.start : node.end])
         return (
             f"(block (result i32) (if (i32.ge_u (i32.sub (local.tee {temp} {pointer}) (i32.const {NULL_PAGE}))"
-            f" (global.get $span)) (then {mark} (call $fault_pointer (local.get {temp})) unreachable)) (local.get {temp}))"
+            f" (global.get $span)) (then {mark} (call $fault_pointer (local.get {temp})) unreachable))"
+            f" (local.get {temp}))"
         )
 
     def offset_of(self, node: s.Index, kind: t.Array) -> tuple[str, int]:

@@ -171,10 +171,43 @@ def test_coverage_of_all_tests_together(folder):
     assert (root.get("lines-covered"), root.get("lines-valid")) == ("5", "9")
 
 
-def test_errors_of_the_source_are_shown_without_our_frames(folder):
-    (folder / "test_wrong.py").write_text('def test_wrong(plc):\n    plc("PROGRAM A\\ny := 1;\\nEND_PROGRAM", strict=True)\n')
+def test_coverage_of_parallel_processes_is_added_up(folder):
+    pytest.importorskip("xdist")
+    (folder / "covered.st").write_text(COVERED)
+    (folder / "Twice.st").write_text(TWICE)
+    (folder / "test_covered.py").write_text(COVERED_TESTS)
+    (folder / "test_twice.st").write_text(COVERED_ST)
+    options = ("--plc-cov", "--plc-lcov", "out.info", "--plc-cobertura", "out.xml")
+    run(folder, *options)
+    alone = (folder / "out.info").read_text(), (folder / "out.xml").read_text()
+    code, out = run(folder, "-n", "2", "--dist", "each", *options)  # every process runs every test: twice the counts
+    assert code == 0 and "6 passed" in out
+    twice = (folder / "out.info").read_text().splitlines()
+    assert "DA:3,10" in twice and "DA:4,0" in twice and "DA:3,8" in twice and "LH:2" in twice
+    code, out = run(folder, "-n", "2", *options)
+    assert code == 0 and "3 passed" in out
+    rows = [" ".join(line.split()) for line in out.splitlines()]
+    assert "Twice.st 4 50 % 2/4 50 % 1/2 - - 4-5" in rows
+    assert ((folder / "out.info").read_text(), (folder / "out.xml").read_text()) == alone
+
+
+def test_a_program_given_as_text_finds_what_lies_beside_the_test(folder):
+    (folder / "Twice.st").write_text(TWICE)
+    text = "PROGRAM P\\nVAR n : INT; END_VAR\\nn := Twice(4);\\nEND_PROGRAM"
+    (folder / "test_text.py").write_text(f'def test_text(plc):\n    p = plc("{text}")\n    p.scan()\n    assert p["n"] == 8\n')
+    assert run(folder)[0] == 0
+    assert run(folder.parent, str(folder))[0] == 0
+    (folder / "Twice.st").write_text(TWICE.replace("2 * a", "3 * a"))
     code, out = run(folder)
-    assert code == 1 and "error E0301: y is not declared" in out and "2 | y := 1;" in out and "stcore/" not in out and "build(" not in out
+    assert code == 1 and "12 == 8" in out
+
+
+def test_errors_of_the_source_are_shown_without_our_frames(folder):
+    text = 'def test_wrong(plc):\n    plc("PROGRAM A\\ny := 1;\\nEND_PROGRAM", strict=True)\n'
+    (folder / "test_wrong.py").write_text(text)
+    code, out = run(folder)
+    assert code == 1 and "error E0301: y is not declared" in out and "2 | y := 1;" in out
+    assert "stcore/" not in out and "build(" not in out
 
 
 def test_coverage_that_cannot_be_written(folder):

@@ -16,7 +16,8 @@ from stcore.source import Source
 ROOT = Path(__file__).parents[2]
 PROGRAMS = sorted([*some_examples(), *(ROOT / "tests" / "stcore" / "lang").rglob("*.st")])
 WORDS = (
-    "IF THEN END_IF ( ) [ ] ; := = VAR END_VAR ^ . 1 x 16#FF T#1s 'a' REAL CASE OF FOR TO DO NOT - 1.5 %IX0.0 STRUCT TYPE "
+    "IF THEN END_IF ( ) [ ] ; := = VAR END_VAR ^ . 1 x 16#FF T#1s 'a' REAL CASE OF FOR TO DO NOT - 1.5 %IX0.0 "
+    "STRUCT TYPE "
     "(* *) { } # $ ' \" ADR( MOD ** END_PROGRAM FUNCTION .. , => REF= % \x00 é 一 ENO=> [1,2(3)] POINTER"
 ).split(" ")
 TOKEN = re.compile(r"\w+|\s+|[^\w\s]")

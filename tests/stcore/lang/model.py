@@ -1,8 +1,8 @@
 """What expressions are worth, in Python: random well-typed ST expressions with their values.
 
 The rules are those of the page "What differs": integers are computed in the larger operand type, at least DINT; what
-is stored wraps around; REAL and LREAL are IEEE 754. A value here is the computed one: INT 30000 + INT 30000 is 60000 until it
-is stored into an INT.
+is stored wraps around; REAL and LREAL are IEEE 754. A value here is the computed one: INT 30000 + INT 30000 is 60000
+until it is stored into an INT.
 """
 
 from __future__ import annotations

@@ -144,7 +144,8 @@ UNIT_MISTAKES = [
     ("PROGRAM P VAR x : ARRAY[*] OF INT; END_VAR END_PROGRAM", "E0207", 1, 15, ""),
     ("PROGRAM P VAR_EXTERNAL x : INT; END_VAR x := 1; END_PROGRAM", "E0208", 1, 24, "x"),
     (
-        "TYPE A : STRUCT b : B; END_STRUCT B : STRUCT a : A; END_STRUCT END_TYPE PROGRAM P VAR a : A; END_VAR END_PROGRAM",
+        "TYPE A : STRUCT b : B; END_STRUCT B : STRUCT a : A; END_STRUCT END_TYPE "
+        "PROGRAM P VAR a : A; END_VAR END_PROGRAM",
         "E0203",
         None,
         None,
