@@ -112,3 +112,74 @@ def test_what_is_read_is_what_the_axis_has():
     plc["P.writeBool.Execute"] = True
     plc.scan()
     assert plc["P.writeBool.Done"] and not plc["P.ax.bSWLimitEnable"]
+
+
+QUEUED = {
+    "place": ("MC_SetPosition", "Axis := ax, Position := 7"),
+    "limit": ("MC_WriteParameter", "Axis := ax, ParameterNumber := 2, Value := 900"),
+    "on": ("MC_WriteBoolParameter", "Axis := ax, ParameterNumber := 4, Value := TRUE"),
+    "light": ("MC_WriteDigitalOutput", "Output := outs, OutputNumber := 3, Value := TRUE"),
+    "select": ("MC_CamTableSelect", "Master := master, Slave := ax, CamTable := table"),
+}
+WAITING = f"""
+PROGRAM P
+VAR
+    ax, master : AXIS_REF_SM3; power : MC_Power; move, next : MC_MoveAbsolute; run : MC_MoveVelocity; jog : MC_Jog;
+    table : MC_CAM_REF := (nElements := 2); outs : MC_OUTPUT_REF; go, follow : BOOL;
+    {" ".join(f"{n} : {block};" for n, (block, _) in QUEUED.items())}
+END_VAR
+table.Element[2].dX := 100;
+outs.Axis := ADR(ax);
+power(Axis := ax, Enable := TRUE, bRegulatorOn := TRUE, bDriveStart := TRUE);
+move(Axis := ax, Position := 10, {MOVE}); next(Axis := ax, Position := 20, BufferMode := mcBuffered, {MOVE});
+run(Axis := ax, {MOVE}); jog(Axis := ax, {MOVE});
+{"".join(f"{n}({call}, Execute := go, ExecutionMode := mcQueued);" for n, (_, call) in QUEUED.items())}
+END_PROGRAM
+"""
+
+
+@pytest.fixture
+def waiting():
+    plc = PLC.load(WAITING)
+    plc.scan(5)
+    return plc
+
+
+def outputs(plc, name: str) -> set:
+    return {plc[f"P.{block}.{name}"] for block in QUEUED}
+
+
+def test_what_is_queued_waits_for_the_commands_before_it(waiting):
+    waiting["P.move.Execute"] = waiting["P.next.Execute"] = True
+    waiting.scan()
+    waiting["P.go"] = True
+    waiting.scan()
+    waiting["P.go"] = False  # it waits on
+    waiting["P.limit.Value"] = 1.0
+    waiting.run_until("P.ax.fSetPosition = 20.0")
+    assert outputs(waiting, "Busy") == {True} and outputs(waiting, "Done") == {False}
+    assert waiting["P.ax.fSetPosition"] == 20.0 and waiting["P.outs.Values"] == 0
+    waiting.scan()
+    assert outputs(waiting, "Busy") == {False} and outputs(waiting, "Done") == {True}
+    assert waiting["P.ax.fSetPosition"] == 7.0 and waiting["P.ax.fSWLimitPositive"] == 900.0
+    assert waiting["P.ax.bSWLimitEnable"] and waiting["P.outs.Values"] == 8 and waiting["P.select.CamTableID.pCT"]
+    waiting.scan()
+    assert outputs(waiting, "Done") == {False}
+
+
+@pytest.mark.parametrize("before", ["rest", "aborted", "jog"])
+def test_what_is_queued_waits_no_longer_than_for_those(waiting, before):
+    if before == "aborted":
+        waiting["P.run.Execute"] = True
+    elif before == "jog":
+        waiting["P.jog.JogForward"] = True
+    waiting.scan(50)
+    waiting["P.go"] = True
+    waiting.scan(2)
+    assert outputs(waiting, "Done") == {before == "rest"}
+    waiting.scan(200)
+    assert outputs(waiting, "Done") == {before == "rest"}
+    waiting["P.jog.JogForward"] = False
+    waiting["P.move.Execute"] = before == "aborted"
+    waiting.scan(2 if before == "aborted" else 150)
+    assert outputs(waiting, "Done") == {True}

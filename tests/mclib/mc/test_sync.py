@@ -457,7 +457,7 @@ def test_a_cam_is_joined_at_a_position_of_the_master(bench, at, way, speed):
         bench.scan()
         assert bench["ax.fSetPosition"] == 0.0 and not bench["cam.InSync"]
     bench["jumpV"] = 0.0
-    bench.until("cam.InSync", 300)
+    bench.until("cam.InSync", 400)
     assert bench["master.fSetPosition"] == pytest.approx(turn, abs=0.9)
     assert bench["ax.fSetVelocity"] == pytest.approx(400.0 * speed, abs=4.0)
     for _ in range(20):
