@@ -9,13 +9,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from stcore.emit.ranges import walk
 from stcore.emit.statements import Statements
 from stcore.scope import Pou, Var
 
-SMALL = 30  # nodes of a syntax tree: taken in wherever it is called
-ONCE = 800  # the same, where there is one call
-ROOM = 3000  # so many nodes at most into one function: its compilation must stay quick
+SMALL = 120  # characters of the body's text: taken in wherever it is called
+ONCE = 4000  # the same, where there is one call
+ROOM = 15_000  # so many characters at most into one function: its compilation must stay quick
 
 
 class NeedsFrame(Exception):
@@ -24,15 +23,14 @@ class NeedsFrame(Exception):
 
 @dataclass(slots=True)
 class Inlinable:
-    """What is known of the POUs of a module: how large they are, and which have to be called."""
+    """Which POUs of a module can be taken in. called: those that can't."""
 
-    sizes: dict[Pou, int] = field(default_factory=dict)
     called: set[Pou] = field(default_factory=set)
 
-    def size(self, pou: Pou) -> int:
-        if pou not in self.sizes:
-            self.sizes[pou] = sum(1 for _ in walk(pou.tree.body))
-        return self.sizes[pou]
+    @staticmethod
+    def size(pou: Pou) -> int:
+        body = pou.tree.body
+        return body[-1].end - body[0].start if body else 0
 
     def suits(self, pou: Pou) -> bool:
         if pou in self.called:

@@ -52,7 +52,7 @@ FOR i := 1 TO 3 DO
 END_FOR
 many := Again(5) + Again(4);
 """
-SIZES = [(0, 0), (30, 800), (10_000, 10_000)]  # nothing, what is, everything
+SIZES = [(0, 0), (120, 4000), (100_000, 100_000)]  # nothing, what is, everything
 
 
 @pytest.fixture(params=SIZES, ids=["called", "as it is", "taken in"])
