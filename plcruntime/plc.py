@@ -81,7 +81,7 @@ class PLC(Variables, Running):
         self._typed: Typed | None = None
         self.scheduled: list[tuple[int, str]] = []  # scan and text of every stimulus, for reports
         self.assertion: Exception | None = None  # of an ST test, the one that failed
-        self.origin: tuple | None = None  # what `build` was told, for another build of the same program
+        self.origin: dict | None = None  # what `build` was told, for another build of the same program
         self.returns: ReturnLog | None = None  # see `log_returns`
         self._machine = self.new_machine(program)
         self._engine = Engine(program, self._machine, ns, WATCHDOG if limit is None else limit)
@@ -106,7 +106,7 @@ class PLC(Variables, Running):
         """
         program, project = build(source, config, strict=strict)
         plc = cls(program, interval=interval, project=project, watchdog=watchdog, retain=retain)
-        plc.origin = (source, config, strict)
+        plc.origin = {"source": source, "config": config, "strict": strict}
         return plc
 
     def new_machine(self, program: Program):
@@ -307,15 +307,16 @@ class PLC(Variables, Running):
 
 def build(
     source: str | Path | Sequence[str | Path], config: str | Path | None = None, *, strict: bool = False,
-    probes: bool = False,
+    probes: bool = False, beside: Path | None = None,
 ) -> tuple[Program, Project]:  # fmt: skip
-    """Compile what the user names, with the project's settings. probes: able to stop at every statement.
+    """Compile what the user names, with the project's settings. probes: able to stop at every statement. beside: the
+    folder where POUs are looked for that a text does not define.
 
     Raises as `PLC.load` does."""
     import mclib
     from stcore.compiler import compile
 
-    files, project = sources.gather(source, config)
+    files, project = sources.gather(source, config, beside)
     libraries = [*project.libraries, *mclib.libraries(project.dialect)]
     program = compile(files, tasks=project.tasks, libraries=libraries, strict=strict or project.strict, probes=probes)
     return program, project

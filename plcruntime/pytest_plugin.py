@@ -155,13 +155,14 @@ class _Programs:
         self._kept: dict = {}
         self._probes = probes
 
-    def load(self, source, config, strict: bool):
+    def load(self, **origin):
+        """origin: as for plcruntime.plc.build."""
         from plcruntime.plc import build
 
-        key = (str(source), str(config), strict)
+        key = str(origin)
         kept = self._kept.get(key)
         if kept is None or kept[0] != _stamps(kept[1].files):
-            program, project = build(source, config, strict=strict, probes=self._probes)
+            program, project = build(**origin, probes=self._probes)
             kept = self._kept[key] = (_stamps(program.files), program, project)
         return kept[1:]
 
@@ -178,18 +179,20 @@ class Loader:
         self.loaded: list[tuple[str, PLC]] = []
 
     def __call__(self, source, interval=None, config=None, *, strict: bool = False, watchdog=None) -> PLC:
-        """A fresh PLC before its first scan; arguments as for PLC.load, files relative to the test's folder."""
+        """A fresh PLC before its first scan; arguments as for PLC.load, files relative to the test's folder; so are the
+        POUs that a text does not define."""
         from stcore.diagnostics import CompileError
 
         source = [self._found(x) for x in source] if isinstance(source, list | tuple) else self._found(source)
         config = self._found(config) if config is not None else None
         __tracebackhide__ = True
         try:
-            program, project = self._programs.load(source, config, strict)
+            origin = {"source": source, "config": config, "strict": strict, "beside": self._folder}
+            program, project = self._programs.load(**origin)
         except CompileError as error:  # the place in the ST text tells more than ours in the compiler
             raise error.with_traceback(None) from None
         plc = _watched_plc()(program, interval=interval, project=project, watchdog=watchdog)
-        plc.origin = (source, config, strict)
+        plc.origin, plc.found = origin, self._found
         first = source[0] if isinstance(source, list) else source
         self.loaded.append((Path(first).name if isinstance(first, Path) else "<text>", plc))
         return plc
@@ -228,11 +231,15 @@ def _watched_plc():
         class WatchedPLC(PLC):
             def __init__(self, *arguments, **options) -> None:
                 self.read_paths: dict[str, None] = {}
+                self.found = Path  # where a file lies that the test names
                 super().__init__(*arguments, **options)
 
             def __getitem__(self, path: str):
                 self.read_paths[path] = None
                 return super().__getitem__(path)
+
+            def stimuli(self, path: str | Path) -> int:
+                return super().stimuli(self.found(path))
 
             def run_until(self, condition, timeout="10s", *, realtime: bool = False) -> float:
                 if isinstance(condition, str):

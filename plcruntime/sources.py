@@ -14,11 +14,12 @@ SUFFIXES = (".st", ".exp", ".iecst")
 
 
 def gather(
-    named: str | Path | Sequence[str | Path], config: str | Path | None = None
+    named: str | Path | Sequence[str | Path], config: str | Path | None = None, beside: Path | None = None
 ) -> tuple[list[Path | Source], Project]:
     """The files to compile and the project's settings.
 
     named: a file, a folder (all its ST files, or its plc.toml), a plc.toml, the text of a program, or a list of those.
+    beside: the folder where a text's further POUs are looked for.
     A file that can't be read is the compiler's to report. Raises UsageError for a wrong plc.toml, a folder without ST.
     """
     items = [named] if isinstance(named, str | Path) else list(named)
@@ -28,7 +29,7 @@ def gather(
     files: list[Path | Source] = []
     for item in items:
         if is_text(item):
-            files.append(Source(str(item), "<text>"))
+            files.append(Source(str(item), "<text>", beside))
             continue
         path = Path(item)
         toml = path / projects.NAME if path.is_dir() else path

@@ -1,7 +1,8 @@
 """Tests written in ST: found by their attribute, each run on a fresh PLC, with what a report needs to say.
 
 A FUNCTION with ``{attribute 'test'}`` is called once. A PROGRAM is scanned until it calls TEST_DONE() or its time-out
-is over (``{attribute 'timeout' := '30s'}``, 10 s of virtual time else). Assertions are functions of the library
+is over (``{attribute 'timeout' := '30s'}``, 10 s of virtual time else), with the stimuli of a file beside it when
+``{attribute 'stimuli' := 'presses.csv'}`` names one. Assertions are functions of the library
 (stcore/library/testing); one that fails ends the test.
 """
 
@@ -152,6 +153,8 @@ class TestFile:
         try:
             plc.reset("origin")
             plc._engine.choose_test(self._task.get(test.name.upper(), 0))
+            if "stimuli" in test.attributes:
+                self._schedule(test)
             if test.kind == "FUNCTION":
                 routine: Routine = self.program.routines[test.name.upper()]
                 if routine.parameters:
@@ -166,6 +169,13 @@ class TestFile:
             self._failed(result, fault)
         except (UsageError, ValueError) as error:
             result.message, result.file, result.line = str(error), test.file, test.line
+
+    def _schedule(self, test: Test) -> None:
+        from plcruntime import stimulus_file
+
+        if test.kind != "PROGRAM":
+            raise UsageError("stimuli come at times, and a FUNCTION is called once: make the test a PROGRAM")
+        stimulus_file.schedule(self.plc, self.path.parent / test.attributes["stimuli"], test.name)
 
     def _scan(self, test: Test, result: Result, scans: int | None) -> None:
         plc = self.plc

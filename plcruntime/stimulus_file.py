@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 
 from plcruntime import durations
 from plcruntime.errors import UsageError
-from stcore.paths import PathError
+from stcore.paths import PathError, Place
 
 if TYPE_CHECKING:
     from plcruntime.plc import PLC
@@ -129,19 +129,20 @@ def _entry(where: str, time: str, variable: str, value: str, how: str) -> Entry:
     return Entry(where, time, variable, value, how)
 
 
-def schedule(plc: PLC, path: str | Path) -> int:
+def schedule(plc: PLC, path: str | Path, program: str = "") -> int:
     """Schedule a file's entries; how many there are. All are checked before the first is scheduled.
 
+    program: names that it has are its own, before those that are unique among all.
     Raises UsageError for the first that can't be: then nothing is scheduled.
     """
     checked = []
     for entry in read(path):
         try:
             scan = _scan(entry.time, round(plc.interval * 1e9))
-            place = plc.place(entry.variable)
-            value = None if entry.how == "release" else plc.parse_value(entry.variable, entry.value)
+            place = _place(plc, entry.variable, program)
+            value = None if entry.how == "release" else plc.parse_value(place.name, entry.value)
             if entry.how != "release":
-                plc.check_value(entry.variable, value)
+                plc.check_value(place.name, value)
         except (PathError, TypeError, ValueError) as error:
             raise UsageError(f"{entry.where}: {error}") from None
         checked.append((scan, place.name, value, entry.how))
@@ -151,6 +152,13 @@ def schedule(plc: PLC, path: str | Path) -> int:
         else:
             plc.schedule(name, value, f"#{scan}", force=how == "force")
     return len(checked)
+
+
+def _place(plc: PLC, name: str, program: str) -> Place:
+    try:
+        return plc.place(f"{program}.{name}" if program else name)
+    except PathError:
+        return plc.place(name)
 
 
 def _scan(time: str, interval: int) -> int:

@@ -93,7 +93,7 @@ def _build_key(
 ) -> str:
     parts = [_own_fingerprint(), repr((tasks, [str(x) for x in libraries], strict, probes)).encode()]
     for source in sources:
-        parts += [source.path.encode(), source.text.encode("utf-8", "surrogatepass")]
+        parts += [source.path.encode(), str(source.folder or "").encode(), source.text.encode("utf-8", "surrogatepass")]
     return cache.digest(*parts)
 
 

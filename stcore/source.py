@@ -7,11 +7,13 @@ from pathlib import Path
 
 
 class Source:
-    """A text with its path; offsets are characters of `text` (line ends normalised to \\n)."""
+    """A text with its path; offsets are characters of `text` (line ends normalised to \\n). folder: where POUs that it
+    does not define are looked for, that of its file unless told."""
 
-    __slots__ = ("path", "text", "_starts")
+    __slots__ = ("path", "text", "_folder", "_starts")
 
-    def __init__(self, text: str, path: str = "<text>") -> None:
+    def __init__(self, text: str, path: str = "<text>", folder: Path | None = None) -> None:
+        self._folder = folder
         self.text = text.replace("\r\n", "\n").replace("\r", "\n")
         self.path = path
         self._starts: list[int] | None = None
@@ -27,6 +29,11 @@ class Source:
                 at = find("\n", at + 1)
             self._starts = starts
         return self._starts
+
+    @property
+    def folder(self) -> Path | None:
+        """None for a text without one."""
+        return self._folder or (Path(self.path).parent if Path(self.path).is_file() else None)
 
     def position(self, offset: int) -> tuple[int, int]:
         """(line, column) of an offset, both from 1."""

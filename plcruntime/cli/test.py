@@ -15,6 +15,7 @@ from plcruntime.st_tests import Result, Test, TestFile
 from stcore.diagnostics import CompileError
 from stcore.source import read
 
+STIMULI = ("*.csv", "*.toml")
 LOOK = 0.3  # s between two looks at the files, with --watch
 
 
@@ -38,9 +39,9 @@ def execute(arguments: argparse.Namespace) -> int:
 
 
 def _stamps(paths: list[str]) -> dict[Path, int]:
-    """Every ST file of the folders concerned, with its time: a test may fail because of another file."""
+    """Every ST and stimulus file of the folders concerned, with its time: a test may fail because of another file."""
     folders = {p.parent for p in st_tests.find(paths)} | {Path(p) for p in paths or ["."] if Path(p).is_dir()}
-    files = {f for folder in folders for f in folder.rglob("*.st")}
+    files = {f for folder in folders for pattern in ("*.st", *STIMULI) for f in folder.rglob(pattern)}
     return {f: f.stat().st_mtime_ns for f in sorted(files) if f.exists()}
 
 

@@ -254,3 +254,79 @@ def test_arrays_and_structures_are_compared_by_their_parts(folder, capsys):
     out = capsys.readouterr().out
     assert "test_parts.st:5:1: error E0407: ASSERT_EQ takes ANY_ELEMENTARY, not ARRAY[1..2] OF INT" in out
     assert "name its elements one by one" in out and "name its members one by one" in out and ":7:" not in out
+
+
+STIMULATED = """\
+VAR_GLOBAL limit : INT := 100; END_VAR
+{attribute 'test'}
+{attribute 'stimuli' := 'stimuli/presses.csv'}
+PROGRAM test_presses
+VAR button, before : BOOL; presses : INT; now : INT; END_VAR
+presses := presses + BOOL_TO_INT(button AND NOT before);
+before := button;
+now := now + 1;
+IF now >= limit THEN
+  ASSERT_EQ(50, now);
+  ASSERT_EQ(%d, presses, 'presses');
+  TEST_DONE();
+END_IF
+END_PROGRAM
+
+{attribute 'test'}
+PROGRAM test_not_pressed
+VAR button : BOOL; now : INT; END_VAR
+now := now + 1;
+IF now = 60 THEN
+  ASSERT(NOT button AND limit = 100);
+  TEST_DONE();
+END_IF
+END_PROGRAM
+"""
+PRESSES = """\
+time,variable,value
+10ms,button,TRUE
+20ms,button,FALSE
+#30,test_presses.button,TRUE
+0.04,limit,50
+"""
+
+
+@pytest.fixture
+def stimulated(tmp_path):
+    (tmp_path / "stimuli").mkdir()
+    (tmp_path / "stimuli" / "presses.csv").write_text(PRESSES)
+    (tmp_path / "test_s.st").write_text(STIMULATED % 2)
+    return tmp_path / "test_s.st"
+
+
+def test_a_test_names_its_stimulus_file(stimulated, capsys, monkeypatch):
+    monkeypatch.chdir(stimulated.parent.parent)  # the file is looked for beside the test, not here
+    assert main(["test", str(stimulated)]) == 0 and "2 passed" in capsys.readouterr().out
+    stimulated.write_text(STIMULATED % 3)
+    assert main(["test", str(stimulated)]) == 1
+    out = capsys.readouterr().out
+    assert "ASSERT_EQ failed: presses: expected 3, actual 2" in out and "1 failed, 1 passed" in out
+
+
+@pytest.mark.parametrize(
+    "rows, said",
+    [
+        ("1ms,buton,TRUE", "presses.csv:2: unknown variable 'buton'"),
+        ("1ms,button,5", "presses.csv:2: test_presses.button is BOOL"),
+        ("soon,button,TRUE", "presses.csv:2: 'soon' is not a duration"),
+    ],
+)  # fmt: skip
+def test_a_wrong_stimulus_fails_its_test_alone(stimulated, capsys, rows, said):
+    (stimulated.parent / "stimuli" / "presses.csv").write_text(f"time,variable,value\n{rows}\n")
+    assert main(["test", str(stimulated)]) == 1
+    out = capsys.readouterr().out
+    assert said in out and "1 failed, 1 passed" in out and "Traceback" not in out
+
+
+def test_a_stimulus_file_that_is_missing_or_of_no_use(stimulated, capsys):
+    (stimulated.parent / "stimuli" / "presses.csv").unlink()
+    assert main(["test", str(stimulated)]) == 1
+    assert "presses.csv: No such file or directory" in capsys.readouterr().out
+    stimulated.write_text("{attribute 'test'}\n{attribute 'stimuli' := 'a.csv'}\nFUNCTION f : BOOL\nEND_FUNCTION\n")
+    assert main(["test", str(stimulated)]) == 1
+    assert "make the test a PROGRAM" in capsys.readouterr().out
