@@ -37,6 +37,7 @@ class CheckedProject(Project):
         self.evaluate = self._evaluate
         self.is_builtin = builtins.is_builtin
         self.reached: dict[Pou, None] = {}
+        self.looked_into: set[t.Struct] = set()  # for blocks among its members
         self.queue: list[Pou] = []
         self.own_only = False  # leave the bodies of the library unchecked: only diagnostics are wanted
         self.library_globals: set[Var] = set()
@@ -100,7 +101,8 @@ class CheckedProject(Project):
             kind = kind.element
         if isinstance(kind, t.Block):
             self.reach(self.block_pous[kind])
-        elif isinstance(kind, t.Struct):
+        elif isinstance(kind, t.Struct) and kind not in self.looked_into:
+            self.looked_into.add(kind)
             for field in kind.members.values():
                 self.reach_type(field.type)
 
