@@ -14,6 +14,7 @@ BLOCKS = {
     "haltOver": "MC_HaltSuperimposed", "halt": "MC_Halt", "stop": "MC_Stop", "reset": "MC_Reset", "home": "MC_Home",
     "torque": "MC_TorqueControl",
 }  # fmt: skip
+INPUTS = {"jog": "JogForward", "inch": "InchForward", "smcHome": "bExecute"}  # what starts a block, if not Execute
 TABLES = {"positions": ("MC_PositionProfile", "TimePosition", "MC_TP_REF"),
           "velocities": ("MC_VelocityProfile", "TimeVelocity", "MC_TV_REF"),
           "accelerations": ("MC_AccelerationProfile", "TimeAcceleration", "MC_TA_REF")}  # fmt: skip
@@ -46,7 +47,8 @@ PROGRAM = (
     + "".join(f"    {n} : {b}; {n}Table : {t};\n" for n, (b, _, t) in TABLES.items())
     + """    ax, master, other : AXIS_REF_SM3;
     power, power2, power3 : MC_Power; run, run3 : MC_MoveVelocity; carry : MC_MoveAbsolute; masterHalt : MC_Halt;
-    combine : MC_CombineAxes; gearOut : MC_GearOut; camOut : MC_CamOut;
+    combine : MC_CombineAxes; jog : MC_Jog; inch : SMC_Inch; smcHome : SMC_Homing;
+    gearOut : MC_GearOut; camOut : MC_CamOut;
     table : MC_CAM_REF; select : MC_CamTableSelect; override : MC_SetOverride;
     status : MC_ReadStatus; motion : MC_ReadMotionState; info : MC_ReadAxisInfo;
     n, owners : INT; skip, wrong : STRING; calm : BOOL := TRUE;
@@ -56,6 +58,7 @@ owners := 0;
 power(Axis := ax); power2(Axis := master, Enable := TRUE, bRegulatorOn := TRUE, bDriveStart := TRUE);
 power3(Axis := other, Enable := TRUE, bRegulatorOn := TRUE, bDriveStart := TRUE);
 run(Axis := master); run3(Axis := other); carry(Axis := master); masterHalt(Axis := master); override(Axis := ax);
+jog(Axis := ax); inch(Axis := ax); smcHome(Axis := ax);
 """
     + "".join(_block(n, "Axis := ax", done=n not in ENDLESS) for n in BLOCKS)
     + "".join(_block(n, f"Axis := ax, {table} := {n}Table") for n, (_, table, _) in TABLES.items())
@@ -126,10 +129,11 @@ class Bench:
         for name, value in {**limits, **inputs}.items():
             if name in members or name in inputs:
                 self[f"{block}.{name}"] = value
-        if members["Execute"]:
-            self[f"{block}.Execute"] = False
+        edge = INPUTS.get(block, "Execute")
+        if members[edge]:
+            self[f"{block}.{edge}"] = False
             self.scan()
-        self[f"{block}.Execute"] = True
+        self[f"{block}.{edge}"] = True
         self.scan(scans)
 
     def profile(self, name, pairs, absolute=True, **inputs):
@@ -147,7 +151,13 @@ class Bench:
 
     def outputs(self, block: str) -> str:
         """The one output that is TRUE."""
-        return next((o for o in OUTPUTS if self[block].get(o)), "")
+        members = self[block]
+        return next((o for o in OUTPUTS if members.get(o) or members.get(f"b{o}")), "")
+
+    def take_cam(self) -> None:
+        """Give MC_CamIn what MC_CamTableSelect has made."""
+        for member, value in self["select.CamTableID"].items():
+            self[f"cam.CamTableID.{member}"] = value
 
 
 @pytest.fixture

@@ -175,17 +175,7 @@ def cam(bench, points, kind=3, **inputs):
 
 
 def camin(bench, **inputs):
-    for member in (
-        "pCT",
-        "Periodic",
-        "MasterAbsolute",
-        "SlaveAbsolute",
-        "StartMaster",
-        "EndMaster",
-        "StartSlave",
-        "EndSlave",
-    ):
-        bench[f"cam.CamTableID.{member}"] = bench["select.CamTableID"][member]
+    bench.take_cam()
     bench.start("cam", **inputs)
 
 
