@@ -148,3 +148,20 @@ def test_blocks_on_an_axis_that_is_off_or_faulted(ready):
         ready.start(block, **inputs_of(block))
         assert (ready.outputs(block), ready[f"{block}.ErrorID"], ready.state) == ("Error", 34, "power_off")
     assert ready["ax.fSetPosition"] == 0.0
+
+
+@pytest.mark.parametrize("direction", ["Positive", "Negative"])
+def test_a_direction_that_is_not_enabled(bench, direction):
+    sign = 1.0 if direction == "Positive" else -1.0
+    assert bench["power.Valid"]
+    bench[f"power.Enable{direction}"] = False
+    bench["calm"] = False
+    bench.start("velocity", 100, Velocity=-sign * 100.0, Direction=1)  # the other way
+    assert bench["velocity.InVelocity"]
+    bench.start("velocity", 30, Velocity=sign * 100.0)
+    assert bench["velocity.ErrorID"] == 20 and bench.state == "errorstop"
+    assert bench["power.ErrorID"] == 20 and not bench["power.Valid"]
+    bench.start("reset", 3)
+    bench[f"power.Enable{direction}"] = True
+    bench.start("velocity", 150)
+    assert bench["velocity.InVelocity"]

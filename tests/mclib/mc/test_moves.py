@@ -290,3 +290,20 @@ def test_a_position_profile_begins_with_the_velocity_of_the_axis(bench):
     bench.profile("positions", [(200, 30.0), (200, 10.0)], absolute=False)
     bench.until("positions.Done")
     assert bench["ax.fSetPosition"] == pytest.approx(start + 40.0)
+
+
+@pytest.mark.parametrize("base", ["first", None])
+def test_superimposed_takes_changed_inputs(bench, base):
+    if base:
+        bench.start(base, 200, Position=2000.0, Velocity=500.0)
+    bench.start("over", 100, Distance=50.0, VelocityDiff=100.0, ContinuousUpdate=True)
+    bench["over.Distance"] = 80.0
+    bench["over.VelocityDiff"] = 200.0
+    bench.scan(50)
+    assert bench["ax.fSetVelocity"] == pytest.approx((500.0 if base else 0.0) + 200.0)
+    bench["over.Acceleration"] = -1.0  # is none
+    bench.until("over.Done")
+    assert bench["over.CoveredDistance"] == pytest.approx(80.0)
+    if base:
+        bench.until("first.Done")
+    assert bench["ax.fSetPosition"] == pytest.approx(2080.0 if base else 80.0)
