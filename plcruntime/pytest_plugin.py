@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 LAST = 8  # scans that a report shows
 COLUMNS = 6
+OURS = ("plcruntime", "mclib", "stcore")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -273,6 +274,8 @@ def plc(request: pytest.FixtureRequest, _plc_programs: _Programs) -> Iterator[Lo
 
 @pytest.hookimpl(hookwrapper=True)
 def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo):
+    if call.excinfo is not None and hasattr(item, "_plc_loader") and not item.config.option.fulltrace:
+        _cut(call.excinfo.value)
     outcome = yield
     report = outcome.get_result()
     loader = getattr(item, "_plc_loader", None)
@@ -289,9 +292,30 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo):
             report.sections.append((f"plc {name} trace", f"wrote {file}"))
 
 
+def _cut(error: BaseException) -> None:
+    """A test that uses the PLC wrongly, or waits in vain, is shown down to its own line: not the way of the error
+    through scancycle. Whoever looks for a mistake there has --full-trace."""
+    from plcruntime.errors import ConditionTimeout, UsageError
+    from stcore.diagnostics import CompileError
+    from stcore.faults import Fault
+    from stcore.paths import PathError
+    from stcore.side import SideError
+
+    told = (UsageError, ConditionTimeout, CompileError, Fault, PathError, SideError, ValueError, TypeError)
+    steps = []
+    at = error.__traceback__
+    while at is not None:
+        steps.append(at)
+        at = at.tb_next
+    ours = [step.tb_frame.f_globals.get("__name__", "").split(".")[0] in OURS for step in steps]
+    if isinstance(error, told) and ours[-1] and not ours[0]:
+        steps[ours.index(True) - 1].tb_next = None
+
+
 def _last_scans(plc: PLC) -> tuple[str, Trace | None]:
     """A table of the last scans of what the test read, and the whole trace of it."""
     from plcruntime.report import fault_text
+    from plcruntime.st_tests import cells
     from plcruntime.trace import Trace
     from stcore import paths
     from stcore.paths import PathError
@@ -314,14 +338,9 @@ def _last_scans(plc: PLC) -> tuple[str, Trace | None]:
     if plc.scans:
         plc._engine.record_again(trace, 0)
     kept = trace.tail(LAST)
-    rows = [["time", *places], *([f"{r[0]:.6g} s", *(_cell(v) for v in r[1:])] for r in kept), now]
+    rows = [["time", *places], *(cells(trace, row) for row in kept), now]
     rows = [row[: COLUMNS + 1] for row in rows]
     widths = [max(len(r[i]) for r in rows) for i in range(len(rows[0]))]
     lines = ["  ".join(c.rjust(w) for c, w in zip(row, widths, strict=True)) for row in rows]
     return "\n".join([head, *lines]), trace
 
-
-def _cell(value) -> str:
-    if isinstance(value, bool):
-        return "TRUE" if value else "FALSE"
-    return f"{value:.9g}" if isinstance(value, float) else str(value)

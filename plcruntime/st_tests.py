@@ -13,16 +13,22 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from plcruntime import durations
 from plcruntime.errors import UsageError
 from stcore import syntax as s
+from stcore import values
 from stcore.cache import parse_cached
 from stcore.diagnostics import Reporter
 from stcore.faults import ASSERTIONS, Fault
 from stcore.paths import PathError
 from stcore.program import Program, Routine, TaskSpec
 from stcore.source import Source, read
+from stcore.types import Type
+
+if TYPE_CHECKING:
+    from plcruntime.trace import Trace
 
 TIMEOUT = "10s"
 PATTERN = "test_*.st"
@@ -205,7 +211,7 @@ class TestFile:
         plc.stop_trace(trace)
         kept = list(trace.rows())[-LAST:]
         result.heads = ["time", *trace.names]
-        result.rows = [[f"{row[0]:.6g} s", *map(_shown, row[1:])] for row in kept]
+        result.rows = [cells(trace, row) for row in kept]
         if failing is not None:
             result.rows.append(["failed", *failing])
 
@@ -236,10 +242,13 @@ def _test_programs(source: Source) -> list[str]:
     return [u.name for u in tree.units if isinstance(u, s.Pou) and u.kind == "PROGRAM" and "test" in u.attributes]
 
 
-def _shown(value) -> str:
-    if isinstance(value, bool):
-        return "TRUE" if value else "FALSE"
-    return f"{value:.9g}" if isinstance(value, float) else str(value)
+def cells(trace: Trace, row: tuple) -> list[str]:
+    """A row of a trace for reading: time, then values; names of enumerations, reals with nine digits."""
+    return [f"{row[0]:.6g} s", *(_cell(p.type, value) for p, value in zip(trace.places, row[1:], strict=True))]
+
+
+def _cell(kind: Type, value) -> str:
+    return f"{value:.9g}" if isinstance(value, float) else values.show(kind, value)
 
 
 def report(result: Result) -> str:

@@ -53,11 +53,22 @@ def _is_ours(name: str) -> bool:
     return not top or top in ("stcore", "mclib", "plcruntime") or top in sys.stdlib_module_names
 
 
+class _Version(argparse.Action):
+    """Looks the version up only when it is asked for."""
+
+    def __call__(self, parser, *_) -> None:
+        from importlib.metadata import version
+
+        print(f"scancycle {version('scancycle')}")
+        parser.exit()
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="scancycle", description="Runs IEC 61131-3 Structured Text on a soft PLC with simulated axes.",
         epilog="scancycle COMMAND --help tells more; scancycle demo is the two-minute tour.",
     )  # fmt: skip
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     _add_run(commands)
     check = _command(commands, "check", "check", "parse and type-check; exit code 0 clean or warnings, 1 errors")

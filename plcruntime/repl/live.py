@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -12,6 +13,7 @@ from plcruntime.plc import PLC
 from plcruntime.repl import axis_table
 
 FRAME = 0.1  # s of wall clock between two pictures
+_ANSWER = re.compile(rb"\x1b\[\d+;\d+R")  # of a busy terminal, late, to the prompt's question where its cursor is
 
 
 class KeyPressed(Exception):
@@ -85,7 +87,7 @@ else:
         before = termios.tcgetattr(where)
         tty.setcbreak(where)
         try:
-            yield lambda: bool(select.select([where], [], [], 0)[0])
+            yield lambda: bool(select.select([where], [], [], 0)[0]) and bool(_ANSWER.sub(b"", os.read(where, 4096)))
         finally:
             termios.tcflush(where, termios.TCIFLUSH)  # the key is no input for the prompt
             termios.tcsetattr(where, termios.TCSADRAIN, before)

@@ -80,6 +80,33 @@ def test_fixture_and_reports(folder):
     assert head == "time,PLC_PRG.done,PLC_PRG.x,PLC_PRG.n" and len(lines) == 11
 
 
+USED_WRONGLY = """\
+import pytest
+@pytest.mark.parametrize("use", [
+    lambda p: p["nn"], lambda p: p.run_until("n < 0", timeout="20ms"), lambda p: p.__setitem__("n", 70000),
+    lambda p: p.run_until("n <"), lambda p: p.run("1x"),
+])
+def test_wrong(plc, use):
+    use(plc("prog.st"))
+
+def test_model(plc):
+    p = plc("prog.st")
+    p.on_scan(lambda: int("a model that fails"))
+    p.scan()
+"""
+
+
+def test_a_failing_test_is_shown_down_to_its_own_line(folder):
+    (folder / "test_prog.py").write_text(USED_WRONGLY)
+    code, out = run(folder)
+    assert code == 1 and "6 failed" in out
+    assert "PathError: unknown variable 'nn'" in out and "'n < 0' was not reached within 20 ms" in out
+    assert "not in -32768..32767" in out and "a value is missing before the end" in out and "not a duration" in out
+    shown, _, model = out.partition("test_model")
+    assert "plcruntime/" not in shown and "stcore/" not in shown
+    assert "a model that fails" in model
+
+
 def test_st_files_are_collected(folder):
     (folder / "test_st.st").write_text(ST)
     (folder / "test_broken.st").write_text("{attribute 'test'}\nFUNCTION f : BOOL\nf := y;\nEND_FUNCTION\n")

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from plcruntime import PLC
+from plcruntime.repl import live
 from plcruntime.repl.chart import draw
 from plcruntime.repl.completion import candidates
 from plcruntime.repl.session import Session
@@ -127,9 +128,12 @@ class Terminal:
         return self._tmux("capture-pane", "-p", "-t", self.name)
 
     def shows(self, text: str) -> str:
+        return self.until(lambda screen: text in screen, f"'{text}' is not on the screen")
+
+    def until(self, holds, problem: str = "the screen stays as it is") -> str:
         deadline = time.monotonic() + WAIT
-        while text not in (screen := self.screen()):
-            assert time.monotonic() < deadline, f"'{text}' is not on the screen:\n{screen}"
+        while not holds(screen := self.screen()):
+            assert time.monotonic() < deadline, f"{problem}:\n{screen}"
             time.sleep(0.05)
         return screen
 
@@ -216,6 +220,25 @@ def test_ctrl_c_while_probes_are_in_stops_at_a_statement(terminal):
     terminal.shows("scans, ")
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
+def test_a_late_answer_of_the_terminal_is_no_key(monkeypatch):
+    import os
+    import pty
+
+    ours, theirs = pty.openpty()
+    with os.fdopen(theirs) as stdin, monkeypatch.context() as patch:
+        patch.setattr(sys, "stdin", stdin)
+        with live._keys() as pressed:
+            assert not pressed()
+            os.write(ours, b"\x1b[12;1R")
+            assert not pressed()
+            os.write(ours, b"\x1b[12;1Rx")
+            assert pressed()
+            os.write(ours, b"\x1b[A")  # an arrow
+            assert pressed() and not pressed()
+    os.close(ours)
+
+
 def test_axes_live_until_a_key_is_pressed(open_terminal):
     terminal = open_terminal(ROOT / "examples_st" / "gt_jog.st")
     terminal.shows("0>")
@@ -223,10 +246,7 @@ def test_axes_live_until_a_key_is_pressed(open_terminal):
     terminal.line("axes live")
     terminal.shows("20.0000 pulse/ms")
     first = terminal.shows("any key stops")
-    deadline = time.monotonic() + WAIT
-    while terminal.screen() == first:
-        assert time.monotonic() < deadline, first
-        time.sleep(0.05)
+    terminal.until(lambda screen: "any key stops" in screen and screen != first)
     terminal.type("x")
     terminal.shows(" scans, ")  # the table stays, and the prompt does not get the key
     terminal.line("speed + 1.0")
