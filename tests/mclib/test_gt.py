@@ -137,6 +137,14 @@ def test_ranges_of_jog_parameters(gt, smooth, code):
     assert gt("GT_SetJogPrm", jog={"acc": 1.0, "dec": 0.0, "smooth": smooth}) == code
 
 
+def test_a_deceleration_that_is_not_set_is_the_acceleration(gt):
+    """13 commands 113 and 125."""
+    assert gt("GT_SetTrapPrm", trap={"acc": 0.5, "dec": 0.0}) == 0 and gt("GT_GetTrapPrm") == 0
+    assert gt.get("trap")["dec"] == 0.5
+    assert gt("GT_PrfJog") == 0 and gt("GT_SetJogPrm", jog={"acc": 0.25, "dec": 0.0, "smooth": 0.0}) == 0
+    assert gt("GT_GetJogPrm") == 0 and gt.get("jog")["dec"] == 0.25
+
+
 @pytest.mark.parametrize(("x", "code"), [(1073741823, 0), (1073741824, 7), (-1073741823, 0), (-1073741824, 7)])
 def test_range_of_target_position(gt, x, code):
     assert gt("GT_SetPos", x=x) == code
