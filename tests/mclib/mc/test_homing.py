@@ -193,6 +193,30 @@ def test_smc_homing_compensates_the_signal_delay_exactly():
     assert plc["P.ax.fActPosition"] == pytest.approx(5.0 + 0.051 * 10, abs=0.0101)
 
 
+@pytest.mark.parametrize("mode", [3, 7, -1])
+def test_smc_homing_knows_six_modes(mode):
+    plc = load(SMC_VARS, SMC)
+    plc["P.homing.nHomingMode"] = mode
+    plc["P.homing.bExecute"] = True
+    plc.scan(3)
+    assert plc["P.homing.nErrorID"] == 50 and plc["P.ax.nAxisState"] == 3 and plc["P.ax.fSetVelocity"] == 0.0
+
+
+def test_smc_homing_that_may_not_return_to_zero_ends_at_standstill():
+    plc = load(SMC_VARS, SMC)
+    plc["P.from_"], plc["P.to_"] = -30.0, -20.0
+    plc["P.ax.fSWLimitNegative"], plc["P.ax.fSWLimitPositive"] = 3.0, 1000.0
+    plc["P.homing.bReturnToZero"] = plc["P.homing.bExecute"] = True
+    while plc["P.ax.fActPosition"] < 4.0:  # then the position is set
+        raw = plc.axes[1].position
+        plc["P.shift"] = raw - plc["P.ax.fActPosition"]
+        plc.scan()
+    plc["P.ax.bSWLimitEnable"] = True
+    until(plc, "homing.bError")
+    assert plc["P.homing.nErrorID"] == 10 and plc["P.ax.nAxisState"] == 3
+    assert not plc["P.homing.bBusy"] and not plc["P.homing.bDone"]
+
+
 @pytest.mark.parametrize("mode", [2, 6])
 def test_smc_homing_by_index_and_return_to_zero(mode):
     plc = load(SMC_VARS, SMC)
@@ -389,7 +413,7 @@ def test_cam_switches():
     switches = [
         (1, 10.0, 20.0, 0, 0, 0.0),
         (2, 15.0, 30.0, 2, 0, 0.0),
-        (3, 10.0, 11.0, 0, 1, 0.05),
+        (3, 10.0, 0.0, 0, 1, 0.05),
         (1, 40.0, 50.0, 0, 0, 0.0),
     ]
     plc["P.cams.Number"] = len(switches)
@@ -418,3 +442,28 @@ def test_cam_switches():
     assert min(p for p in on[1] if p > 30) == pytest.approx(39.0, abs=0.11)
     assert on[2] == []  # only in the negative direction
     assert min(on[3]) == pytest.approx(10.0, abs=0.11) and len(on[3]) == 50
+
+
+@pytest.mark.parametrize(("direction", "times"), [(0, 2), (1, 1), (2, 1)])
+def test_a_cam_switch_by_time_needs_no_last_position(direction, times):
+    plc = load(
+        "cams : MC_CAMSWITCH_REF; o : MC_OUTPUT_REF; tracks : MC_TRACK_REF; digital : MC_DigitalCamSwitch;"
+        "move : MC_MoveAbsolute; begun : INT; up : R_TRIG;",
+        "move(Axis := ax, Velocity := 100, Acceleration := 1E4, Deceleration := 1E4);"
+        "digital(Axis := ax, Switches := cams, Outputs := o, TrackOptions := tracks, Enable := TRUE);"
+        "up(CLK := o.Values.0); begun := begun + BOOL_TO_INT(up.Q);",
+    )
+    plc["P.cams.Number"] = 1
+    for name, value in (("TrackNumber", 1), ("FirstOnPosition", 15.0), ("AxisDirection", direction),
+                        ("CamSwitchMode", 1), ("Duration", 0.02)):  # fmt: skip
+        plc[f"P.cams.Switches[1].{name}"] = value
+    on = 0
+    for goal in (30.0, 0.0):
+        plc["P.move.Position"] = goal
+        plc["P.move.Execute"] = False
+        plc.scan()
+        plc["P.move.Execute"] = True
+        for _ in range(400):
+            plc.scan()
+            on += plc["P.o.Values"]
+    assert plc["P.begun"] == times and on == times * 20
