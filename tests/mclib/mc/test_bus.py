@@ -241,3 +241,22 @@ END_PROGRAM
 def test_a_wrong_kind(tmp_path, toml, why):
     with pytest.raises(UsageError, match=why):
         load(tmp_path, f"[[axis]]\n{toml}\n")
+
+
+def test_one_input_is_seen_by_the_block_and_by_the_drive(tmp_path):
+    text = PROGRAM.replace("got : DINT;", "got : DINT; probe : MC_TouchProbe; trigger : TRIGGER_REF;").replace(
+        "reset(Axis := X);",
+        "reset(Axis := X); probe(Axis := X, TriggerInput := trigger); rtn := GT_SetTouchProbeFunction(3, 16#11);",
+    )
+    plc = load(tmp_path, text=text)
+    plc.scan(10)
+    assert plc["rtn"] == 0 and read(plc, 2, 0x60B8) == 0x11  # probe 1, first rising edge
+    plc["trigger.iTriggerNumber"] = 0
+    give(plc, "probe")
+    give(plc, "move", Distance=100.0)
+    plc.scan(50)
+    plc.axes[3].switches.probe1 = True
+    at = plc["X.fActPosition"]
+    plc.scan(2)
+    assert plc["probe.Done"] and plc["probe.RecordedPosition"] == at
+    assert read(plc, 4, 0x60BA) == int(at) and int(read(plc, 2, 0x60B9)) & 2
