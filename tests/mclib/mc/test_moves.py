@@ -307,3 +307,15 @@ def test_superimposed_takes_changed_inputs(bench, base):
     if base:
         bench.until("first.Done")
     assert bench["ax.fSetPosition"] == pytest.approx(2080.0 if base else 80.0)
+
+
+def test_a_profile_is_not_changed_late_in_a_segment(bench):
+    """In its last half a segment keeps goal and time; the next one takes the new values, in its own time."""
+    bench.profile("positions", [(100, 10.0), (100, 20.0)], ContinuousUpdate=True)
+    bench.scan(89)
+    bench["positions.PositionScale"] = 2.0
+    bench["positions.TimeScale"] = 2.0
+    bench.scan(10)
+    assert bench["ax.fSetPosition"] == pytest.approx(10.0)
+    bench.until("positions.Done")
+    assert bench["ax.fSetPosition"] == pytest.approx(40.0) and bench["scans"] - 11 == 300

@@ -465,3 +465,12 @@ def test_the_master_turns_on_the_way_to_a_cam(bench):
     bench["calm"] = False
     bench.start("run", 300, Velocity=-400.0, Direction=1)
     assert bench["cam.ErrorID"] == 775 and bench.state == "errorstop"
+
+
+def test_a_cam_that_is_too_late_to_be_joined_is_joined_in_the_next_turn(bench):
+    cam(bench, RISE)
+    bench.start("run", 350, Velocity=200.0)
+    assert 60.0 < bench["master.fSetPosition"] < 80.0
+    camin(bench, MasterSyncPosition=100.0, MasterStartDistance=80.0, SlaveOffset=30.0)
+    bench.until("cam.InSync", 3000)
+    assert bench["master.fSetPosition"] == pytest.approx(500.0, abs=0.5)
