@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from plcruntime import report
+from plcruntime.picture import axis_label
 from stcore.types import Enum
 
 if TYPE_CHECKING:
@@ -93,14 +94,15 @@ def _axes(recording: Recording):
     known, time = set(trace.names), trace.time
     for name in recording.state_names:
         if name in known:
+            axis = axis_label(recording.plc, int(re.search(r"[0-9]+", name)[0]))
             labels = recording.plc.place(name).type.values
             stop = next((v for n, v in labels.items() if n.upper() == "ERRORSTOP"), None)
             for k in _rises(trace[name] == stop):
-                yield Event(float(time[k]), "axis", f"{name.removesuffix('.state')} goes to errorstop"), ""
+                yield Event(float(time[k]), "axis", f"{axis} goes to errorstop"), ""
         alarm = name.replace(".state", ".drive.alarm")
         if alarm in known:
             for k in _rises(trace[alarm]):
-                yield Event(float(time[k]), "axis", f"{name.removesuffix('.state')}: the drive reports an alarm"), ""
+                yield Event(float(time[k]), "axis", f"{axis}: the drive reports an alarm"), ""
 
 
 def _rises(column) -> list[int]:

@@ -122,6 +122,8 @@ class Expressions(Names):
         node.type = kind
         if right == 0 and node.op in ("/", "MOD") and kind.kind != "real" and kind is not t.REAL_LITERAL:
             self.error("E0603", node.right)
+            if kind is t.INT_LITERAL:
+                node.const = left  # a value of some size, so that nothing follows from it
             return node
         if left is not None and right is not None:
             node.const = arithmetic(node.op, left, right, kind)

@@ -88,7 +88,7 @@ def test_events(file):
     block = next(e for e in data["events"] if e["kind"] == "block")
     assert block["text"].startswith("PLC_PRG.bad (MC_MoveVelocity) reports an error: SMC_")
     assert ("stimulus", "PLC_PRG.start := TRUE") in events
-    assert ("axis", "SIM.Axis[2]: the drive reports an alarm") in events
+    assert ("axis", "axis 2: the drive reports an alarm") in events
     assert events[-1][0] == "fault" and "F0102" in events[-1][1] and data["events"][-1]["lines"]
     assert [e["time"] for e in data["events"]] == sorted(e["time"] for e in data["events"])
     lines = data["files"][0]["html"]

@@ -112,7 +112,7 @@ MISTAKES = [
 
 @pytest.mark.parametrize(("body", "code", "column", "text"), [m for m in MISTAKES if m[1]])
 def test_one_mistake_is_one_error(body, code, column, text):
-    found = errors(program(body, DECLARATIONS, UNITS))
+    found = diagnostics(program(body, DECLARATIONS, UNITS))
     assert [(d.code, d.line, d.column) for d in found] == [(code, FIRST, column)], found
     assert text in f"{found[0].message} {found[0].hint}"
 
