@@ -184,6 +184,7 @@ def test_selection_and_stop(folder, capsys):
     assert main(["test", "-k", "not (timer or every)", "-x"]) == 1
     assert "1 failed, 0 passed" in capsys.readouterr().out
     assert main(["test", "-k", "nothing"]) == 2
+    assert "no test matches -k nothing" in capsys.readouterr().out
     assert main(["test", "-k", "and or"]) == 2
 
 
