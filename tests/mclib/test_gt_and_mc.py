@@ -64,7 +64,7 @@ def test_gt_is_refused_while_mc_stop_has_the_axis(bench):
     bench.power()
     assert gt(bench, 1) == 0
     bench.scan(10)
-    bench.start("stop", Deceleration=1000.0)
+    bench.start("stop", Deceleration=20000.0)
     assert gt(bench, 2) == 1
     assert gt(bench, 3) == 1
     bench.until("stop.Done")
