@@ -137,8 +137,8 @@ def test_7_8_follow_two_fifos(misprint, tmp_path):
     end = 2 * 16000 / long - (2 * 20000 / 20000 - 1.0)
     assert end == pytest.approx(0.6) or misprint
     last = (end, (20000, 16000), (20000, 20000), (20000, 16000))
-    stages = []
-    for k, (x, vm, y, vs) in enumerate(zip(*([float(v) for v in trace[n]] for n in names), strict=True)):
+    stages, stage_of = [], trace["PLC_PRG.stage"].tolist()
+    for k, (x, vm, y, vs) in enumerate(zip(*(trace[n].tolist() for n in names), strict=True)):
         if x < 60000:
             pos, ratio = shape(x, TABLE_7_10)
         elif x < 100000 + long:
@@ -150,13 +150,12 @@ def test_7_8_follow_two_fifos(misprint, tmp_path):
         else:
             break
         assert abs(y - pos) < 1e-5 and abs(vs - ratio * vm) < 1e-7, f"at {k} ms"
-        stage = int(trace["PLC_PRG.stage"][k])
-        if not stages or stages[-1] != stage:
-            stages.append(stage)
+        if not stages or stages[-1] != stage_of[k]:
+            stages.append(stage_of[k])
     assert stages == [4, 1, 2, 3, 4]
     if not misprint:  # the new data in FIFO 1 repeat: 0.6 - 1 - 1 - 0.6
-        for k in range(4000, 9000):
-            turn, rest = divmod(float(trace[names[0]][k]) - 120000, 60000)
+        for x, y in zip(trace[names[0]][4000:].tolist(), trace[names[2]][4000:].tolist(), strict=True):
+            turn, rest = divmod(x - 120000, 60000)
             pos, ratio = shape(rest, last)
-            assert float(trace[names[2]][k]) == pytest.approx(86000 + 52000 * turn + pos, abs=1e-4)
+            assert abs(y - (86000 + 52000 * turn + pos)) < 1e-4
             assert 0.6 - 1e-9 <= ratio <= 1.0 + 1e-9
