@@ -20,7 +20,8 @@ _TYPE = re.compile(r"^\s*TYPE\s+([^\W\d]\w*)\s*(?:EXTENDS\s+\w+\s*)?:\s*(\(|\w+)
 _GLOBALS = re.compile(r"^\s*VAR_GLOBAL\b(.*?)^\s*END_VAR\b", re.I | re.M | re.S)
 _SECTION = re.compile(r"^\s*(VAR_INPUT|VAR_OUTPUT|VAR_IN_OUT)\b[^\n]*?\n?(.*?)\bEND_VAR\b", re.I | re.M | re.S)
 _MEMBER = re.compile(r"^[ \t]+([^\W\d][\w, ]*?)\s*:(?!=)\s*([^;]+);[ \t]*(?:\(\*(.*?)\*\))?", re.M | re.S)
-_NOISE = re.compile(r"\(\*.*?\*\)|//[^\n]*|\{[^}]*\}", re.S)
+_GIVEN = r"\{attribute\s+'room_of'[^}]*\}[^;]*;"  # an input that the compiler itself gives
+_NOISE = re.compile(rf"{_GIVEN}|\(\*.*?\*\)|//[^\n]*|\{{[^}}]*\}}", re.S)
 _KEYS = ("units", "ranges", "returns", "source")
 ARROW = {"VAR_INPUT": "", "VAR_IN_OUT": "VAR_IN_OUT ", "VAR_OUTPUT": "=> "}
 

@@ -255,6 +255,7 @@ class Declarer:
         if later:
             self.project.postponed.append(lambda: self._type_later(var, decl, pou))
         var.also = key(decl.attributes.get("also", ""))
+        var.room_of = key(decl.attributes.get("room_of", "")) if self.library else ""
         var.init = self.initial(decl, pou)
         if var.constant:
             var.read_only = "it is a CONSTANT"

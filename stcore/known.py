@@ -116,6 +116,7 @@ class Names:
     def _parameter(self, parameter: Parameter, pou: Pou) -> Var:
         var = Var(parameter.name, parameter.type, "local", section=parameter.section, owner=pou)
         var.constant = parameter.constant
+        var.room_of = parameter.room_of
         var.indirect = parameter.section == "VAR_IN_OUT"
         self.defaults[var] = parameter.default
         return var

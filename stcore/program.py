@@ -87,13 +87,15 @@ class External:
 
 @dataclass(slots=True)
 class Parameter:
-    """A parameter of a function. default: the bytes of its initial value, b'' when they are all zero."""
+    """A parameter of a function. default: the bytes of its initial value, b'' when they are all zero. room_of: as of
+    its variable."""
 
     name: str
     type: Type
     section: str
     constant: bool = False
     default: bytes = b""
+    room_of: str = ""
 
 
 @dataclass(slots=True)

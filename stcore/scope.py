@@ -43,6 +43,7 @@ class Var:
     source: Source | None = None
     library: bool = False
     also: str = ""  # a second name as a parameter, upper case
+    room_of: str = ""  # the pointer, upper case, of which the compiler gives the room (stcore/check/room.py)
 
 
 @dataclass(eq=False, slots=True)
@@ -95,8 +96,12 @@ class Pou:
         return "external" in self.attributes
 
     def inputs(self) -> list[Var]:
-        """What a positional call fills, in order: inputs and in-outs."""
+        """What the code of a function takes, in order: inputs and in-outs."""
         return [p for p in self.parameters if p.section != "VAR_OUTPUT"]
+
+    def arguments(self) -> list[Var]:
+        """What a positional call fills, in order: of these, all but what the compiler itself gives."""
+        return [p for p in self.inputs() if not p.room_of]
 
 
 @dataclass(eq=False, slots=True)

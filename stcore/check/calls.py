@@ -10,6 +10,7 @@ from stcore import types as t
 from stcore.check import builtins
 from stcore.check.conversions import common, kind_of, same
 from stcore.check.expressions import Expressions
+from stcore.check.room import room_argument
 from stcore.near import near
 from stcore.scope import ActionOf, Builtin, Pou, TypeName, Var, key
 
@@ -145,7 +146,7 @@ class Calls(Expressions):
         bound = self._match(node, pou)
         if bound is None:
             return self._skip(node) if not checked else self.wrong(node)
-        lacking = [p for p in pou.inputs() if p.section == "VAR_INPUT" and p not in bound and p.init is None]
+        lacking = [p for p in pou.arguments() if p.section == "VAR_INPUT" and p not in bound and p.init is None]
         if lacking and not checked:
             self.warn("W0402", node, name=pou.name, missing=" and ".join(p.name for p in lacking))
         call = FunctionCall(pou, [], [])
@@ -155,6 +156,8 @@ class Calls(Expressions):
             if parameter.section == "VAR_OUTPUT":
                 if arg is not None and arg.value is not None:
                     call.outputs.append((parameter, self._output(arg, parameter)))
+            elif parameter.room_of:
+                call.values.append((parameter, room_argument(node, parameter, call.values)))
             else:
                 call.values.append((parameter, self._argument(node, arg, parameter, pou, checked)))
         self.use(pou)
@@ -223,9 +226,10 @@ class Calls(Expressions):
 
     def _match(self, node: s.Call, pou: Pou) -> dict | None:
         """Parameter -> Arg ('EN' and 'ENO' by name). None when there are too many or unknown ones."""
-        inputs, bound, failed = pou.inputs(), {}, False
-        named = {key(p.name): p for p in pou.parameters}
-        named |= {p.also: p for p in pou.parameters if p.also}
+        inputs, bound, failed = pou.arguments(), {}, False
+        parameters = [p for p in pou.parameters if not p.room_of]
+        named = {key(p.name): p for p in parameters}
+        named |= {p.also: p for p in parameters if p.also}
         position = 0
         args = self._without_core_number(node, pou, len(inputs))
         for arg in args:
@@ -237,10 +241,10 @@ class Calls(Expressions):
                 position += 1
             else:
                 parameter = named.get(key(arg.name)) or (key(arg.name) if key(arg.name) in ("EN", "ENO") else None)
-                if parameter is None and (meant := self.meant(arg, arg.name, [p.name for p in pou.parameters])):
+                if parameter is None and (meant := self.meant(arg, arg.name, [p.name for p in parameters])):
                     parameter = named[key(meant)]
             if parameter is None:
-                known = [p.name for p in pou.parameters]
+                known = [p.name for p in parameters]
                 hint = near(arg.name, known) or (f"it has {', '.join(known)}" if known else "it has none")
                 self.error("E0408", arg, hint=hint, name=pou.name, parameter=arg.name)
                 failed = True

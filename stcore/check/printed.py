@@ -175,7 +175,7 @@ class Use:
     @staticmethod
     def _bound(call: s.Call, pou: Pou) -> list[tuple[Var, s.Node | None]]:
         """The parameters of a call and what they are given; a core number in front of them is left out."""
-        inputs, args = pou.inputs(), call.args
+        inputs, args = pou.arguments(), call.args
         if len(args) == len(inputs) + 1 and isinstance(args[0].value, s.Literal):
             args = args[1:]
         named = {key(p.name): p for p in pou.parameters}

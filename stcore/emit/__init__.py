@@ -192,7 +192,7 @@ class ModuleEmitter:
 
     def _parameter(self, var: Var) -> Parameter:
         data = self.images.of_variable(var)[0] if var.section != "VAR_IN_OUT" else b""
-        return Parameter(var.name, var.type, var.section, var.constant, data if any(data) else b"")
+        return Parameter(var.name, var.type, var.section, var.constant, data if any(data) else b"", var.room_of)
 
     def _imports(self) -> list[str]:
         lines = ['(import "host" "probe" (func $probe (param i32 i32 i32 i32)))'] if self.probes else []

@@ -21,12 +21,17 @@ OTHERS = (
 )  # fmt: skip
 
 
+def _given(inputs: str) -> str:
+    """Without what the compiler itself gives."""
+    return inputs.partition("{attribute 'room_of'")[0]
+
+
 def _call(file: Path) -> str:
     """A call of the function with its defaults, for a program that only has to know it."""
     text = file.read_text(encoding="utf-8")
     inputs = re.search(r"VAR_INPUT\n(.*?)END_VAR", text, re.S)
     names = (
-        [n.strip() for line in re.findall(r"^ +([\w, ]+) :", inputs[1], re.M) for n in line.split(",")]
+        [n.strip() for line in re.findall(r"^ +([\w, ]+) :", _given(inputs[1]), re.M) for n in line.split(",")]
         if inputs
         else []
     )

@@ -116,6 +116,36 @@ def test_raw_data_stay_in_range_and_off_the_inputs(bus):
     assert bus("GT_GetEcatRawData(32, 4, ADR(n))") == 0 and bus["n"] == 0x00122211
 
 
+@pytest.mark.parametrize("function", ["Get", "Set", "Read", "Write"])
+def test_data_stay_in_the_array_that_the_pointer_leads_to(bus, function):
+    words = [0x11223344, 2, 3, 4]
+    call = {
+        "Get": "GT_GetEcatRawData(0, {}, ADR({}))", "Set": "GT_SetEcatRawData(0, {}, ADR({}))",
+        "Read": "GT_EcatIOReadInput(0, 0, {}, ADR({}))", "Write": "GT_EcatIOWriteOutput(0, 0, {}, ADR({}))",
+    }[function]  # fmt: skip
+    bus["d"] = words
+    assert bus(call.format(17, "d")) == 7 and (function == "Write" or "array" in bus.why)  # it has 12 bytes of outputs
+    assert bus(call.format(9, "d[2]")) == 7 and "array" in bus.why
+    assert bus["d"] == words and bus.plc["ECAT.image"][:24] == [0] * 24
+    assert bus(call.format(8, "d[2]")) == 0
+    if function in ("Get", "Read"):
+        assert bus["d"] == [*words[:2], 0, 0]
+    else:
+        assert bus["d"] == words and bus.plc["ECAT.image"][:8] == [3, 0, 0, 0, 4, 0, 0, 0]
+
+
+def test_objects_stay_in_the_array_that_the_pointer_leads_to(bus):
+    bus["d"] = [1, 2, 3, 4]
+    assert bus("GT_EcatSDOUpLoad(5, 16#607A, 0, ADR(d), 17, ADR(got), ADR(abort))") == 7 and "array" in bus.why
+    assert bus("GT_EcatSDOUpLoad(5, 16#607A, 0, ADR(d[3]), 5, ADR(got), ADR(abort))") == 7
+    assert bus["d"] == [1, 2, 3, 4]
+    assert bus("GT_EcatSDOUpLoad(5, 16#607A, 0, ADR(d[3]), 4, ADR(got), ADR(abort))") == 0
+    assert bus["got"] == 4 and bus["d"][:3] == [1, 2, 3]
+    bus["abort"] = 1
+    assert bus("GT_EcatSDODownload(5, 16#6081, 0, ADR(d[3]), 5, ADR(abort))") == 7 and bus["abort"] == 1
+    assert bus("GT_EcatSDODownload(5, 16#6081, 0, ADR(d[2]), 4, ADR(abort))") == 0 and bus["abort"] == 0
+
+
 def test_io_of_a_slave(bus):
     bus["u"] = 0xBEEF
     assert bus("GT_EcatIOWriteOutput(0, 2, 2, ADR(u))") == 0

@@ -15,13 +15,15 @@ CALLS = (
     "GT_RunThread(i)", "GT_StopThread(i)", "GT_PauseThread(i)", "GT_GetThreadSts(i, ADR(sts))",
     "GT_SetVarValue(k, ADR(item), ADR(r), j)", "GT_GetVarValue(k, ADR(item), ADR(r), j)",
     "GT_GetVarValue(k, ADR(item), ADR(d), j)", "GT_SetVarValue(k, ADR(item), ADR(d), j)", "GT_SetDataPage(i, j)",
+    "GT_GetVarValue(k, ADR(item), ADR(few), j)", "GT_SetVarValue(k, ADR(item), ADR(few), j)",
     "GT_Delay(10)", "GT_DelayHighPrecision(10)",
 )  # fmt: skip
 PROGRAM = f"""
 PROGRAM PLC_PRG
 VAR
     job, rtn, i, j, k : INT; name : STRING(200); owner : STRING(31); info : TCompileInfo; item : TVarInfo;
-    sts : TThreadSts; r : ARRAY[0..7] OF LREAL; d : DINT; text, message : STRING(200); line : INT;
+    sts : TThreadSts; r : ARRAY[0..7] OF LREAL; d : DINT; few : ARRAY[0..2] OF DINT;
+    text, message : STRING(200); line : INT;
 END_VAR
 CASE job OF
 {"".join(f"    {n}: rtn := {c};" + chr(10) for n, c in enumerate(CALLS, 1))}
@@ -277,6 +279,15 @@ def test_return_codes(threads):
     assert threads("GT_SetDataPage", i=0, j=6) == 0 and threads("GT_Bind", i=1, j=0, k=5) == 0
     assert threads("GT_SetDataPage", i=0, j=5) == 1 and threads("GT_SetDataPage", i=0, j=32) == 7
     assert threads("GT_Delay(") == 1 and threads("GT_DelayHighPrecision") == 1
+
+
+def test_values_stay_in_the_array_that_the_pointer_leads_to(threads):
+    assert threads.run("a = 1; b = 2; c = 3; d = 4;", "a b c d", "int a, b, c, d;") == [1, 2, 3, 4]
+    assert threads("GT_GetVarId(0", name="a") == 0
+    assert threads("GT_GetVarValue(k, ADR(item), ADR(few)", k=-1, j=4) == 7 and threads["few"] == [0, 0, 0]
+    assert threads("GT_GetVarValue(k, ADR(item), ADR(few)", k=-1, j=3) == 0 and threads["few"] == [1, 2, 3]
+    assert threads("GT_SetVarValue(k, ADR(item), ADR(few)", k=-1, j=4, few=[7, 8, 9]) == 7
+    assert threads("GT_GetVarValue(k, ADR(item), ADR(r)", k=-1, j=4) == 0 and threads["r"][:4] == [1, 2, 3, 4]
 
 
 def test_a_program_is_lost_at_power_off(threads):

@@ -1,0 +1,134 @@
+"""Commands with 'count' or a size: what would run past the array that the pointer leads to gives 7, changes nothing
+and is noted with the reason. Commands of EtherCAT and of motion programs are tested with the others of theirs."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import mclib
+from plcruntime import PLC, CompileError, catalogue
+
+BYTES = {"LREAL": 8, "DINT": 4, "UDINT": 4, "INT": 2, "TTriggerStatus": 8}
+SIGNATURE = re.compile(r"(\w+)\((\w+): INT; (.*?)(p\w+): POINTER TO (\w+); count: INT")
+ENTRIES = [e for e in catalogue.entries([mclib.LIBRARY]) if Path(e.file).parent.name == "gt"]
+COUNTED = {m[1]: m for e in ENTRIES if (m := SIGNATURE.match(e.signature))}
+FIRST = {"diType": "4, 1"}  # general inputs from the first on
+
+
+def call(name: str, pointer: str, count: int) -> str:
+    return f"{name}({FIRST.get(COUNTED[name][2], '1')}, {pointer}, {count})"
+
+
+def declared(name: str) -> str:
+    """Arrays of the elements that a command has, each between two others that shall stay as they are."""
+    kind, lines = COUNTED[name][5], ""
+    for array, bounds in {"three": "0..2", "other": "-1..1", "square": "1..2, 0..1"}.items():
+        lines += f"{name}_{array}_a : DINT := 7; {name}_{array} : ARRAY[{bounds}] OF {kind}; "
+        lines += f"{name}_{array}_b : DINT := 7;\n"
+    return lines
+
+
+def cases() -> dict[str, tuple[str, int]]:
+    """What is done -> the call, the code that it gives."""
+    found = {}
+    for name in COUNTED:
+        at = f"ADR({name}_"
+        for what, pointer, count, code in (
+            ("exact", f"{at}three)", 3, 0),
+            ("one too many", f"{at}three)", 4, 7),
+            ("negative bounds", f"{at}other)", 3, 0),
+            ("negative bounds, one too many", f"{at}other)", 4, 7),
+            ("two dimensions", f"{at}square)", 4, 0),
+            ("two dimensions, one too many", f"{at}square)", 5, 7),
+            ("from an element on", f"{at}three[1])", 2, 0),
+            ("from an element on, one too many", f"{at}three[1])", 3, 7),
+            ("from an element of two dimensions", f"{at}square[2, 0])", 2, 0),
+            ("from an element of two dimensions, one too many", f"{at}square[2, 0])", 3, 7),
+            ("from a variable index on", f"{at}three[one])", 2, 0),
+            ("a number", f"number_{name}", 3, 0),
+            ("NULL", "0", 3, 7),
+        ):
+            found[f"{name} {what}"] = (call(name, pointer, count), code)
+    return found
+
+
+CASES = cases()
+
+
+@pytest.fixture(scope="module")
+def plc() -> PLC:
+    jobs = "".join(f"    {n}: rtn := {c};\n" for n, (c, _) in enumerate(CASES.values(), 1))
+    numbers = "".join(f"number_{n} := ADR({n}_three);\n" for n in COUNTED)
+    plc = PLC.load(f"""
+PROGRAM PLC_PRG
+VAR
+job, rtn : INT; one : INT := 1; {"".join(f"number_{n} : DWORD; " for n in COUNTED)}
+{"".join(declared(n) for n in COUNTED)}END_VAR
+{numbers}CASE job OF
+{jobs}END_CASE
+job := 0;
+END_PROGRAM
+""")
+    plc.scan()
+    return plc
+
+
+def test_every_command_with_a_count_is_here():
+    with_count = {e.name for e in ENTRIES if "count: INT" in e.signature and "POINTER TO" in e.signature}
+    assert with_count == set(COUNTED) and len(COUNTED) == 22 and "room" not in " ".join(e.signature for e in ENTRIES)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_count(plc, case):
+    name = case.split(" ")[0]
+    arrays = [f"PLC_PRG.{name}_{a}" for a in ("three", "other", "square")]
+    before, refused = [plc[a] for a in arrays], plc["SIM.refusals"]
+    plc["PLC_PRG.job"] = list(CASES).index(case) + 1
+    plc.scan()
+    expected = CASES[case][1]
+    assert plc["PLC_PRG.rtn"] == expected and plc["SIM.refusals"] == refused + (expected == 7)
+    assert all(plc[a + side] == 7 for a in arrays for side in ("_a", "_b"))
+    if expected:
+        last = plc[f"SIM.refused[{refused % 32}]"]
+        assert (last["command"], last["code"]) == (name, 7)
+        assert ("array" in last["why"]) == ("NULL" not in case)
+        assert [plc[a] for a in arrays] == before
+
+
+def test_what_is_read_reaches_the_last_element():
+    plc = PLC.load("""
+PROGRAM PLC_PRG
+VAR a3, part : ARRAY[0..2] OF LREAL := [3(-1.0)]; rtn : ARRAY[0..2] OF INT; END_VAR
+GT_SetPrfPos(1, 10); GT_SetPrfPos(2, 20); GT_SetPrfPos(3, 30); GT_SetPrfPos(4, 40);
+rtn[0] := GT_GetPrfPos(1, ADR(a3), 4);
+rtn[1] := GT_GetPrfPos(profile := 2, count := 3, pValue := ADR(a3));
+rtn[2] := GT_GetPrfPos(3, ADR(part[1]), 2);
+END_PROGRAM""")
+    plc.scan()
+    assert plc["PLC_PRG.rtn"] == [7, 0, 0]
+    assert plc["PLC_PRG.a3"] == [20.0, 30.0, 40.0] and plc["PLC_PRG.part"] == [-1.0, 30.0, 40.0]
+    assert plc.evaluate("GT_GetPrfPos(1, ADR(PLC_PRG.a3), 4)") == 7
+    assert plc.evaluate("GT_GetPrfPos(1, ADR(PLC_PRG.a3), 3)") == 0 and plc["PLC_PRG.a3"] == [10.0, 20.0, 30.0]
+
+
+def test_an_array_of_smaller_elements():
+    """As long as it has the bytes, V2.3's arrays of DWORD and BYTE do."""
+    plc = PLC.load("""
+PROGRAM PLC_PRG
+VAR words : ARRAY[0..3] OF DWORD; bytes : ARRAY[1..16] OF BYTE; rtn : ARRAY[0..3] OF INT; END_VAR
+rtn[0] := GT_GetSts(1, ADR(words), 4);
+rtn[1] := GT_GetSts(1, ADR(words), 5);
+rtn[2] := GT_GetPrfPos(1, ADR(bytes), 2);
+rtn[3] := GT_GetPrfPos(1, ADR(bytes), 3);
+END_PROGRAM""")
+    plc.scan()
+    assert plc["PLC_PRG.rtn"] == [0, 7, 0, 7]
+
+
+@pytest.mark.parametrize("arguments, code", [("one, ADR(x), 1, 0, 8", "E0401"), ("1, ADR(x), room := 8", "E0408")])
+def test_a_call_cannot_give_the_room_itself(arguments, code):
+    with pytest.raises(CompileError) as caught:
+        PLC.load(f"PROGRAM PLC_PRG VAR one : INT; x : LREAL; END_VAR GT_GetPrfPos({arguments}); END_PROGRAM")
+    assert [d.code for d in caught.value.diagnostics] == [code]
+    assert "room" not in caught.value.diagnostics[0].hint
