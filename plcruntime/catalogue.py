@@ -23,6 +23,7 @@ _MEMBER = re.compile(r"^[ \t]+([^\W\d][\w, ]*?)\s*:(?!=)\s*([^;]+);[ \t]*(?:\(\*
 _GIVEN = r"\{attribute\s+'room_of'[^}]*\}[^;]*;"  # an input that the compiler itself gives
 _NOISE = re.compile(rf"{_GIVEN}|\(\*.*?\*\)|//[^\n]*|\{{[^}}]*\}}", re.S)
 _KEYS = ("units", "ranges", "returns", "source")
+CONVERSION = "a conversion, built into the compiler"
 ARROW = {"VAR_INPUT": "", "VAR_IN_OUT": "VAR_IN_OUT ", "VAR_OUTPUT": "=> "}
 
 
@@ -117,22 +118,20 @@ def _parameters(bare: str) -> str:
 def _built_in(known: set[str]) -> list[Entry]:
     """The functions that are instructions of the compiler; of the conversions X_TO_Y the library lists its own."""
     from stcore.check import builtins
+    from stcore.types import ELEMENTARY
 
-    found = []
+    made = []
     for name, (_, low, high) in builtins.HANDLERS.items():
-        if name not in known and not name.startswith("__"):
-            inputs = ", ".join(f"IN{i + 1}" for i in range(low)) + (", ..." if high > low else "")
-            found.append(
-                Entry(
-                    name,
-                    "function",
-                    f"{name}({inputs})",
-                    "built into the compiler",
-                    "",
-                    "",
-                    "",
-                    "IEC 61131-3",
-                    builtins.__file__,
-                )
-            )
-    return found
+        inputs = ", ".join(f"IN{i + 1}" for i in range(low)) + (", ..." if high > low else "")
+        made.append((name, f"{name}({inputs})", "built into the compiler"))
+    for source in ELEMENTARY:
+        for target in ELEMENTARY:
+            name = f"{source}_TO_{target}"
+            if source != target and builtins.conversion_types(name):
+                made.append((name, f"{name}(IN: {source}): {target}", CONVERSION))
+    details = {"units": "", "ranges": "", "returns": "", "source": "IEC 61131-3", "file": builtins.__file__}
+    return [
+        Entry(name, "function", signature, summary, **details)
+        for name, signature, summary in made
+        if name not in known and not name.startswith("__")
+    ]

@@ -27,6 +27,8 @@ def execute(arguments: argparse.Namespace) -> int:
     if not found:
         print(f"scancycle: nothing in the library matches {arguments.pattern}", file=sys.stderr)
         return FAILED
+    if arguments.pattern == "*":  # some hundred conversions would hide the rest
+        found = [e for e in found if e.summary != catalogue.CONVERSION]
     for entry in found:
         print(_card(entry, sys.stdout.isatty()))
     print(f"{len(found)} in the library")

@@ -251,6 +251,9 @@ def test_list(capsys):
     assert len(names) == len(set(names)) > 100 and {"LEFT", "ABS", "MC_POWER", "GT_SETVEL"} <= set(names)
     assert not any(n.startswith("__") for n in names)
     assert all(set(e) >= {"name", "kind", "signature", "file", "source", "units"} for e in everything)
+    assert {"DWORD_TO_DINT", "REAL_TO_STRING"} <= set(names)
+    assert "DWORD_TO_DINT(IN: DWORD): DINT" in run(capsys, "list", "dword_to_d*")[1]
+    assert "DWORD_TO_DINT" not in run(capsys, "list")[1]  # only when asked for
     code, out, _ = run(capsys, "list", "mc_mov*")
     assert code == 0 and "MC_MoveAbsolute" in out and "MC_Power" not in out
     assert run(capsys, "list", "nothing_like_it")[0] == 1
