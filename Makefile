@@ -24,7 +24,9 @@ help:
 	@echo "make lint     ruff"
 	@echo "make clean    removes .venv"
 
+# Bytecode is made here, too, for where PYTHONDONTWRITEBYTECODE is set: without it each start takes twice as long.
 install: $(STAMP)
+	@$(BIN)/python -m compileall -q stcore mclib plcruntime
 
 $(STAMP): pyproject.toml requirements.lock
 	@$(or $(PYTHON),false) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { \
@@ -35,7 +37,6 @@ $(STAMP): pyproject.toml requirements.lock
 	@test -x $(BIN)/pip || $(PYTHON) -m venv .venv
 	@$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --require-hashes -r requirements.lock
 	@$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
-	@$(BIN)/python -m compileall -q stcore mclib plcruntime  # also where PYTHONDONTWRITEBYTECODE is set: starts twice as fast
 	@echo "$(CURDIR)" > .venv/where
 	@touch $@
 
