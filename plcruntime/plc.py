@@ -285,7 +285,10 @@ class PLC(Variables, Running):
         if self.returns:
             self.returns.begin()
         if self._bind:
-            self._bind(self)
+            try:
+                self._bind(self)
+            except ValueError as error:  # more axes than the simulator has
+                raise UsageError(str(error)) from None
         if "ECAT.SLAVE" in self.program.variables:
             from mclib import ecat
 

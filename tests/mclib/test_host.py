@@ -7,6 +7,7 @@ import pytest
 
 from mclib import configuration
 from plcruntime import PLC
+from plcruntime.errors import UsageError
 
 DOC = Path(__file__).parents[2] / "docs/config_files.md"
 
@@ -134,5 +135,15 @@ def test_axes_are_numbered_in_order_of_declaration():
 
 
 def test_more_axes_than_the_simulator_has():
-    with pytest.raises(ValueError, match="65.*64"):
-        PLC.load("PROGRAM PLC_PRG VAR a : ARRAY[1..65] OF AXIS_REF_SM3; p : MC_Power; END_VAR p(a[1]); END_PROGRAM")
+    with pytest.raises(UsageError, match="257.*256"):
+        PLC.load("PROGRAM PLC_PRG VAR a : ARRAY[1..257] OF AXIS_REF_SM3; p : MC_Power; END_VAR p(a[1]); END_PROGRAM")
+
+
+def test_as_many_axes_as_the_simulator_has():
+    plc = PLC.load(
+        "PROGRAM PLC_PRG VAR a : ARRAY[1..256] OF AXIS_REF_SM3; p : ARRAY[1..256] OF MC_Power; i, on : INT; END_VAR "
+        "on := 0; FOR i := 1 TO 256 DO p[i](Axis := a[i], Enable := TRUE, bRegulatorOn := TRUE, bDriveStart := TRUE);"
+        "IF p[i].Status THEN on := on + 1; END_IF END_FOR END_PROGRAM"
+    )
+    plc.scan(5)
+    assert plc["on"] == plc["SIM.count"] == 256
