@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -45,7 +46,7 @@ def gather(
 
 def is_text(item: str | Path) -> bool:
     """True for the text of a program: no file's name has a line break, and hardly one a semicolon."""
-    return isinstance(item, str) and ("\n" in item or ";" in item and not Path(item).exists())
+    return isinstance(item, str) and ("\n" in item or ";" in item and not os.path.exists(item))
 
 
 def _of_project(project: Project) -> list[Path | Source]:
