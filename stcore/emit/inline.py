@@ -52,35 +52,41 @@ class Inlining(Statements):
             return False
         inner.this = (base, offset)
         inner.in_out_locals = places
-        try:
-            inner._own_variables()
-            inner._in_outs()
-            inner.body(pou.tree.body)
-        except NeedsFrame:
-            self.module.inlining.called.add(pou)
+        if self._emit(inner) is None:
             return False
-        self._standalone(pou)
-        self.lines += [f"(block {inner.exit_label}", *inner.lines, ")", self._again()]
+        self.lines += self._code(inner)
         return True
 
     def inline_function(self, pou: Pou, args: list[str]) -> str | None:
         """A function's code with these arguments, as an expression; None: it has to be called."""
         inner = self._inner(pou)
-        if inner is None:
+        signature = inner and self._emit(inner)
+        if signature is None:
             return None
+        params, results = signature
+        self.declared += [p.replace("(param", "(local", 1) for p in params]
+        given = [f"(local.set {p.split()[1]} {a})" for p, a in zip(params, args, strict=True)]
+        result = "".join(f" (result {r})" for r in results)
+        return "\n".join([f"(block{result}", *given, *self._code(inner), *inner._results(), ")"])
+
+    def _emit(self, inner) -> tuple[list[str], list[str]] | None:
+        """Let it emit its body. The parameters and results of a function; None: the body has to be called."""
+        pou = inner.pou
         try:
-            params, results = inner._parameters()
+            signature = inner._parameters() if pou.kind == "FUNCTION" else ([], [])
             inner._own_variables()
+            inner._in_outs()
             inner.body(pou.tree.body)
         except NeedsFrame:
             self.module.inlining.called.add(pou)
             return None
-        self._standalone(pou)
-        self.declared += [p.replace("(param", "(local", 1) for p in params]
-        given = [f"(local.set {p.split()[1]} {a})" for p, a in zip(params, args, strict=True)]
-        result = "".join(f" (result {r})" for r in results)
-        lines = [f"(block{result}", *given, f"(block {inner.exit_label}", *inner.lines, ")", self._again()]
-        return "\n".join([*lines, *inner._results(), ")"])
+        if "hidden" not in pou.attributes:  # what a typed statement can name stays callable from outside
+            self.module.need(pou)
+        return signature
+
+    def _code(self, inner) -> list[str]:
+        """The body as a block that RETURN leaves; what follows it is again part of the calling statement."""
+        return [f"(block {inner.exit_label}", *inner.lines, ")", f"(drop (i32.const {self.here}))"]
 
     def _inner(self, pou: Pou):
         """An emitter for code between the lines of this one; None where the code has to be called."""
@@ -106,12 +112,3 @@ class Inlining(Statements):
         while chain[-1].caller:
             chain.append(chain[-1].caller)
         return chain
-
-    def _standalone(self, pou: Pou) -> None:
-        """What can be called by its name from outside, in a typed statement, stays callable."""
-        if "hidden" not in pou.attributes:
-            self.module.need(pou)
-
-    def _again(self) -> str:
-        """What follows is again part of the calling statement."""
-        return f"(drop (i32.const {self.here}))"
