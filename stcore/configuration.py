@@ -213,9 +213,7 @@ def _element(project: CheckedProject, kind: t.Type, address: int, step: str) -> 
     indices = [int(x) for x in step[1:-1].split(",") if x.strip().lstrip("-").isdecimal()]
     if not isinstance(kind, t.Array) or len(indices) != len(kind.bounds):
         raise _Lost(f"{kind} has no element {step}")
-    offset = 0
     for index, (low, high) in zip(indices, kind.bounds, strict=True):
         if not low <= index <= high:
             raise _Lost(f"the index {index} is outside {low}..{high}")
-        offset = offset * (high - low + 1) + index - low
-    return kind.element, address + offset * kind.element.size
+    return kind.element, address + kind.number_of(indices) * kind.element.size

@@ -222,12 +222,10 @@ def _element(place: Place, indices: list[int]) -> Place:
         raise PathError(f"{place.name} is {t}, not an array")
     if len(indices) != len(t.bounds):
         raise PathError(f"{place.name} is {t}: {len(t.bounds)} indices, not {len(indices)}")
-    offset = 0
     for i, (low, high) in zip(indices, t.bounds, strict=True):
         if not low <= i <= high:
             raise PathError(f"{name}: index {i} is not in {low}..{high}")
-        offset = offset * (high - low + 1) + i - low
-    return place._at(name, t.element, offset * t.element.size)
+    return place._at(name, t.element, t.number_of(indices) * t.element.size)
 
 
 def _part(place: Place, size: str, number: int) -> Place:

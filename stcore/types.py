@@ -7,6 +7,7 @@ milliseconds since midnight (reference/semantics.md). A pointer is a 32-bit offs
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 
@@ -140,6 +141,13 @@ class Array(Type):
         for a, b in self.bounds:
             self.size *= max(b - a + 1, 0)
         self.align = self.element.align
+
+    def number_of(self, indices: Iterable[int]) -> int:
+        """The number of the element with these indices, from 0, where they are within the bounds."""
+        number = 0
+        for index, (low, high) in zip(indices, self.bounds, strict=True):
+            number = number * (high - low + 1) + index - low
+        return number
 
 
 @dataclass(eq=False, slots=True, repr=False)

@@ -33,9 +33,7 @@ def _behind(place: s.Node) -> int:
     """From an element to the end of its array. An array inside of an array goes on in its neighbour."""
     if not isinstance(place, s.Index) or isinstance(place.base, s.Index) or not isinstance(place.base.type, t.Array):
         return 0
-    array, before = place.base.type, 0
+    array = place.base.type
     if not array.bounds or not all(isinstance(i.const, int) for i in place.indices):
         return 0
-    for index, (low, high) in zip(place.indices, array.bounds, strict=True):
-        before = before * (high - low + 1) + index.const - low
-    return array.size - before * array.element.size
+    return array.size - array.number_of(index.const for index in place.indices) * array.element.size
