@@ -6,16 +6,19 @@ from plcruntime.axes import ROOT
 from plcruntime.plc import PLC
 from stcore.paths import instance_at
 
-HEADS = ("axis", "name", "state", "set position", "velocity", "actual position", "status", "signals")
+_HEADS = ("axis", "name", "state", "position", "velocity", "actual", "unit", "status", "signals")
+NUMBERS = ("position", "velocity", "actual")
 _SIGNALS = {
     "drive.enabled": "on", "moving": "moving", "drive.alarm": "alarm", "drive.offline": "offline",
     "switches.positive": "+limit", "switches.negative": "-limit", "switches.home": "home",
 }  # fmt: skip
 
 
-def rows(plc: PLC) -> list[tuple[str, ...]]:
-    """Cells as HEADS names them; [] when no axis is in use."""
-    return [_row(plc, number) for number in plc.axes.numbers if _in_use(plc.axes[number])]
+def heads_and_rows(plc: PLC, without: tuple[str, ...] = ()) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """The columns that have something to show, and their cells; no rows when no axis is in use."""
+    rows = [_row(plc, number) for number in plc.axes.numbers if _in_use(plc.axes[number])]
+    shown = [i for i, head in enumerate(_HEADS) if head not in without and any(row[i] for row in rows)]
+    return tuple(_HEADS[i] for i in shown), [tuple(row[i] for i in shown) for row in rows]
 
 
 def _in_use(axis) -> bool:
@@ -30,14 +33,13 @@ def _row(plc: PLC, number: int) -> tuple[str, ...]:
         state += f" ({plc.show(f'{path}.error')})"
     if axis.ref:  # an axis of the program, in its own units
         ref = f"{path}.ref^"
-        set_position, actual = (f"{plc[f'{ref}.{name}']:.3f} u" for name in ("fSetPosition", "fActPosition"))
-        velocity = f"{plc[f'{ref}.fSetVelocity']:.3f} u/s"
+        values, unit = [plc[f"{ref}.{n}"] for n in ("fSetPosition", "fSetVelocity", "fActPosition")], "u, s"
     else:
-        set_position, actual = f"{axis.prfPos:.3f} pulse", f"{axis.encPos:.3f} pulse"
-        velocity = f"{axis.prfVel:.4f} pulse/ms"
+        values, unit = [axis.prfPos, axis.prfVel, axis.encPos], "pulse, ms"
+    position, velocity, actual = (f"{value:.4f}" for value in values)
     signals = [word for member, word in _SIGNALS.items() if plc[f"{path}.{member}"]]
     name = _name(plc, number, axis.ref)
-    return str(number), name, state, set_position, velocity, actual, f"{axis.status:08X}", " ".join(signals)
+    return str(number), name, state, position, velocity, actual, unit, f"{axis.status:08X}", " ".join(signals)
 
 
 def _name(plc: PLC, number: int, ref: int) -> str:

@@ -42,11 +42,15 @@ def table(plc: PLC, hint: str = "; any key stops"):
     from rich import box
     from rich.table import Table
 
-    made = Table(box=box.SIMPLE_HEAD, caption=f"{plc.time:.3f} s{hint}", pad_edge=False)
-    for name in axis_table.HEADS:
-        number = "position" in name or name == "velocity"
-        made.add_column(name, justify="right" if number else "left", min_width=15 if number else 4, no_wrap=True)
-    for row in axis_table.rows(plc):
+    made = Table(box=box.SIMPLE_HEAD, caption=f"{plc.time:.3f} s{hint}", pad_edge=False, padding=0)
+    heads, rows = axis_table.heads_and_rows(plc, without=("status",))
+    for head in heads:  # 80 columns: names, units and signals fold; a number never loses a digit
+        number = head in axis_table.NUMBERS
+        made.add_column(
+            head, justify="right" if number else "left", min_width=11 if number else 4, overflow="fold",
+            no_wrap=number or head == "state",
+        )  # fmt: skip
+    for row in rows:
         made.add_row(*row)
     return made
 

@@ -126,9 +126,9 @@ class Looking:
         if rest:
             self._run_and_show_axes(rest)
             return
-        rows = axis_table.rows(self.plc)
+        heads, rows = axis_table.heads_and_rows(self.plc)
         if rows:
-            self.session.table(axis_table.HEADS, rows)
+            self.session.table(heads, rows)
         else:
             self.session.say("the program uses no axis" if not len(self.plc.axes) else "no axis is in use yet")
 

@@ -1,5 +1,6 @@
 """The prompt as a process: commands from a pipe, and keys in a real terminal (tmux)."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -244,16 +245,28 @@ def test_axes_live_until_a_key_is_pressed(open_terminal):
     terminal.shows("0>")
     terminal.line("speed := 20.0")
     terminal.line("axes live")
-    terminal.shows("20.0000 pulse/ms")
+    terminal.shows(" 20.0000 ")
     first = terminal.shows("any key stops")
     terminal.until(lambda screen: "any key stops" in screen and screen != first)
     terminal.type("x")
     terminal.shows(" scans, ")  # the table stays, and the prompt does not get the key
     terminal.line("speed + 1.0")
     screen = terminal.shows("21.0")
-    assert "20.0000 pulse/ms" in screen and "any key stops" not in screen
+    assert " 20.0000 " in screen and "pulse, ms" in screen and "any key stops" not in screen
     terminal.line("break PLC_PRG:40 if velocity > 25")
     terminal.line("speed := 30.0")
     terminal.line("axes live")
     terminal.shows("breakpoint 1: PLC_PRG, in scan")
     terminal.shows("PLC_PRG:40>")
+
+
+def test_the_table_of_axes_fits_a_narrow_terminal():
+    from rich.console import Console
+
+    plc = PLC.load(str(ROOT / "examples_st" / "gt_jog.st"))
+    plc["speed"] = 123.25
+    plc.run("100s")
+    console = Console(width=80, record=True, file=open(os.devnull, "w"))  # noqa: SIM115
+    console.print(live.table(plc))
+    text = console.export_text()
+    assert f"{plc.axes[1].prfPos:.4f}" in text and "123.2500" in text and "…" not in text
