@@ -2,6 +2,8 @@
 
 import pytest
 
+from tests.mclib.mc.conftest import INPUTS
+
 MOVE = {"Velocity": 100.0, "Acceleration": 1000.0, "Deceleration": 1000.0, "Jerk": 0.0}
 # block -> inputs beside MOVE, ErrorID of a wrong value
 BLOCKS = {
@@ -165,3 +167,41 @@ def test_a_direction_that_is_not_enabled(bench, direction):
     bench[f"power.Enable{direction}"] = True
     bench.start("velocity", 150)
     assert bench["velocity.InVelocity"]
+
+
+BARRED = {
+    "first": {"Position": 100.0}, "velocity": {"Velocity": 100.0}, "torque": {"Torque": 0.01, "Velocity": 100.0},
+    "jog": {}, "over": {"Distance": 100.0}, "gear": {}, "positions": {"ArraySize": 1},
+    "smcHome": {"fVelocityFast": 100.0, "fVelocitySlow": 10.0, "fAcceleration": 1e3, "fDeceleration": 1e3,
+                "bReferenceSwitch": True},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_nothing_moves_where_it_is_not_enabled(ready, sign):
+    """With the units turned round what was backwards is the positive direction."""
+    ready["ax.fScalefactor"] = sign
+    ready["power.bRegulatorOn"] = False
+    ready.scan()
+    ready["power.bRegulatorOn"] = True
+    ready["power.EnablePositive"] = False
+    ready.scan(3)
+    ready["positionsTable.MC_TP_Array[1]"] = {"delta_time": 1.0, "position": 100.0}
+    ready["smcHome.nDirection"] = 1
+    ready.start("run", 200, Velocity=100.0, Acceleration=1000.0, Deceleration=1000.0)
+    snapshot = ready.plc.snapshot()
+    for block, inputs in BARRED.items():
+        ready.plc.restore(snapshot)
+        ready["calm"] = False
+        ready.start(block, 3, **inputs)
+        place = (ready["ax.fSetPosition"], ready["ax.fActPosition"], ready["ax.fSetVelocity"])
+        assert place == (0.0, 0.0, 0.0), block
+        assert ready.state == "errorstop" and ready[f"{block}.Error"] and ready["ax.dwErrorID"] == 20, block
+        ready[f"{block}.{INPUTS.get(block, 'Execute')}"] = False
+        ready.start("reset", 3)
+        assert ready.state == "standstill", block
+        ready.start("velocity", 100, Velocity=-100.0, Direction=1)
+        assert ready["velocity.InVelocity"], block
+        here = ready["ax.fSetPosition"]
+        ready.start("first", 200, Position=here + 100.0)
+        assert ready.state == "errorstop" and here - 1.0 < ready["ax.fSetPosition"] < here, block  # it turns no further
