@@ -247,12 +247,34 @@ def test_alarm_brings_errorstop_and_reset_ends_it(bench):
     bench.plc.axes[1].drive.alarm = False
     bench.scan(2)
     assert bench.state == "Errorstop"
+    at = bench["ax.fActPosition"]
     bench.start("reset")
     bench.until("reset.Done", 5)
-    bench.scan(3)
-    assert bench.state == "StandStill" and bench["power.Status"]
+    assert bench.state == "StandStill"  # MC_Power still has it on
+    assert bench["ax.fSetPosition"] == bench["ax.fActPosition"] == at
+    bench.scan()
+    assert bench["power.Status"] and not bench["power.Error"]
     bench.start("absolute", Position=0.0, **MOVE)
     bench.until("absolute.Done")
+
+
+@pytest.mark.parametrize("name", ["bRegulatorOn", "Enable"])
+def test_reset_ends_in_power_off_where_power_is_not_asked_for(bench, name):
+    bench.power()
+    bench.plc.axes[1].drive.alarm = True
+    bench.scan(2)
+    bench.plc.axes[1].drive.alarm = False
+    bench[f"power.{name}"] = False
+    bench.scan()
+    assert bench.state == "Errorstop"
+    bench.start("reset")
+    bench.until("reset.Done", 5)
+    assert bench.state == "Disabled" and not bench["power.Status"]
+    bench.scan(5)
+    assert bench.state == "Disabled"
+    bench[f"power.{name}"] = True
+    bench.until("power.Status", 5)
+    assert bench.state == "StandStill"
 
 
 def test_limit_switch_stops_and_lets_the_axis_back(bench):
