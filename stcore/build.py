@@ -100,10 +100,6 @@ def text(t, a, b, v):
     return t.texts[v[0]]
 
 
-def second_text(t, a, b, v):
-    return t.texts[v[1]]
-
-
 def dotted_text(t, a, b, v):
     return f"{v[0]}.{t.texts[v[2]]}"
 
@@ -114,42 +110,87 @@ def dotted_text(t, a, b, v):
 def file(t, a, b, v):
     units: list[s.Node] = []
     for unit in v[0]:
-        if isinstance(unit, list):
-            units += unit
-        elif not isinstance(unit, s.Action):
-            units.append(unit)
-        elif units and isinstance(units[-1], s.Pou):
-            units[-1].actions.append(unit)
-        else:
-            t.report("E0122", unit.start, unit.start + 6, name=unit.name)
+        for part in unit if isinstance(unit, list) else [unit]:
+            if not _is_member(part):
+                units.append(part)
+            elif units and isinstance(units[-1], s.Pou) and units[-1].kind != "INTERFACE":
+                units[-1].parts.append(part)
+            else:
+                what = "ACTION" if isinstance(part, s.Action) else s.WRITTEN[part.kind]
+                t.report("E0122", part.name_start, part.name_start + len(part.name), what=what, name=part.name)
     return s.File(0, len(t.tokens.source.text), units, t.tokens.file_attributes)
 
 
-def _pou(t, a, b, kind, name, result=None, generics=(), sections=(), body=(), actions=(), extends=None, implements=()):
+def _is_member(unit: s.Node) -> bool:
+    return isinstance(unit, s.Action) or isinstance(unit, s.Pou) and unit.kind in s.WRITTEN
+
+
+def _pou(
+    t, a, b, kind, name, modifiers=(), result=None, generics=(), sections=(), body=(), parts=(), extends=None,
+    implements=(),
+):  # fmt: skip
     _check_names(t, sections)
     name_start, name = t.starts[name], t.texts[name]
     attributes = t.attributes.get(a) or {}
     return s.Pou(
-        a, b, kind, name, name_start, result, list(generics), sections, body, list(actions), attributes,
-        extends, [t.texts[i] for i in implements or ()], [],
+        a, b, kind, name, name_start, result, list(generics), sections, body, list(parts), attributes, extends,
+        list(implements), frozenset(t.texts[i].upper() for i in modifiers),
     )  # fmt: skip
 
 
 def program(t, a, b, v):
-    return _pou(t, a, b, "PROGRAM", v[1], sections=v[2], body=v[3], actions=v[4])
+    _, modifiers, name, sections, methods, body, actions, _ = v
+    return _pou(t, a, b, "PROGRAM", name, modifiers, sections=sections, body=body, parts=methods + actions)
 
 
 def function_block(t, a, b, v):
-    _, name, extends, implements, sections, body, actions, _ = v
+    _, modifiers, name, extends, implements, sections, methods, body, actions, _ = v
     return _pou(
-        t, a, b, "FUNCTION_BLOCK", name, sections=sections, body=body, actions=actions, extends=extends,
-        implements=implements,
+        t, a, b, "FUNCTION_BLOCK", name, modifiers, sections=sections, body=body, parts=methods + actions,
+        extends=extends, implements=implements,
     )  # fmt: skip
 
 
 def function(t, a, b, v):
-    _, name, generics, result, sections, body, _ = v
-    return _pou(t, a, b, "FUNCTION", name, result, generics, sections, body)
+    _, modifiers, name, generics, result, sections, body, _ = v
+    return _pou(t, a, b, "FUNCTION", name, modifiers, result, generics, sections, body)
+
+
+def interface(t, a, b, v):
+    _, modifiers, name, bases, methods, _ = v
+    for method in methods:
+        if method.body:
+            t.report("E0211", method.body[0].start, method.body[-1].end, name=t.texts[name])
+    return _pou(t, a, b, "INTERFACE", name, modifiers, sections=[], body=[], parts=methods, implements=bases)
+
+
+def method(t, a, b, v):
+    _, modifiers, name, result, sections, body, *_ = v
+    return _pou(t, a, b, "METHOD", name, modifiers, result, sections=sections, body=body)
+
+
+def property_parts(t, a, b, v):
+    """A method for GET, whose result is the property, and one for SET, whose input it is."""
+    _, modifiers, name, _, kind, _, accessors, *_ = v
+    made = []
+    for word, start, end, sections, body in accessors:
+        getter = t.texts[word].upper() == "GET"
+        if not getter:
+            value = s.VarDecl(t.starts[name], t.ends[name], t.texts[name], kind, None, None, {})
+            sections = [s.VarSection(value.start, value.end, "VAR_INPUT", frozenset(), [value], None, {}), *sections]
+        accessor = _pou(
+            t, start, end, t.texts[word].upper(), name, modifiers, kind if getter else None, (), sections, body
+        )
+        accessor.attributes = t.attributes.get(a) or {}
+        made.append(accessor)
+    if not made:
+        t.report("E0102", t.starts[name], t.ends[name], what="GET or SET", where=f"in the PROPERTY {t.texts[name]}")
+    return made
+
+
+def accessor(t, a, b, v):
+    word, sections, body, *_ = v
+    return word, a, b, sections, body
 
 
 def generics(t, a, b, v):

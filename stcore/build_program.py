@@ -149,7 +149,7 @@ def _emit(
 ) -> Program:  # fmt: skip
     hooks = [p for p in project.reached if "call_after_scan" in p.attributes]
     emitter = ModuleEmitter(project, probes)
-    text = emitter.emit(tasks, hooks, [p for p in pous if not p.tree.generics])
+    text = emitter.emit(tasks, hooks, [p for p in pous if not p.tree.generics and p.kind != "INTERFACE"])
     program = Program(
         wasm=assemble(text), image=emitter.image(), image_end=emitter.image_end, limit=emitter.limit,
         sites=emitter.sites, externals=emitter.externals, tasks=tasks, diagnostics=reporter.sorted(),

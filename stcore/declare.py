@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
+from stcore import objects
 from stcore import syntax as s
 from stcore import types as t
 from stcore.near import near
@@ -89,7 +90,7 @@ class Declarer:
             return symbol.type
         if symbol is not None:
             self.error("E0204", node, name=node.name)
-        elif self._being_declared(node.name) is None:  # else it contains itself, which has been said
+        elif self.being_declared(node.name) is None:  # else it contains itself, which has been said
             known = [n for n in t.ELEMENTARY if not n.startswith("ANY")] + self.project.known_names(self.library)
             self.error("E0202", node, name=node.name, near=near(node.name, known))
         return t.ERROR
@@ -152,7 +153,7 @@ class Declarer:
     def _enum(self, node: s.EnumDef, name: str, pou: Pou | None) -> t.Enum:
         base = t.base_of(self.named(s.NamedType(node.start, node.end, node.base, None), pou)) if node.base else t.INT
         enum = t.Enum(name, base, {})
-        entry = self._being_declared(name)
+        entry = self.being_declared(name)
         if entry is not None:
             entry.early = TypeName(enum)  # a value may be worked out from those before it
         number = 0
@@ -165,7 +166,7 @@ class Declarer:
             number += 1
         return enum
 
-    def _being_declared(self, name: str) -> Pending | None:
+    def being_declared(self, name: str) -> Pending | None:
         """The declaration of a type of this name that is being resolved now."""
         entry = (self.project.library if self.library else self.project.user).get(key(name))
         return entry if entry is not None and entry.busy else None
@@ -180,6 +181,7 @@ class Declarer:
                 struct.size, struct.align = base.size, base.align
         for decl in node.fields_:
             kind = self.type(decl.type, pou=pou)
+            self._no_abstract(decl, kind)
             offset = 0 if union else align(struct.size, kind.align)
             field = t.Field(decl.name, kind, offset, attributes=decl.attributes)
             if key(decl.name) in struct.members:
@@ -259,9 +261,19 @@ class Declarer:
         var.init = self.initial(decl, pou)
         if var.constant:
             var.read_only = "it is a CONSTANT"
+        if section.kind != "VAR_IN_OUT":
+            self._no_abstract(decl, kind)
         if isinstance(kind, t.Array) and not kind.bounds and section.kind != "VAR_IN_OUT":
             self.error("E0207", decl, name=decl.name)
         return var
+
+    def _no_abstract(self, decl: s.VarDecl, kind: t.Type) -> None:
+        """An ABSTRACT block has no instances of its own."""
+        while isinstance(kind, t.Array):
+            kind = kind.element
+        pou = self.project.block_pous.get(kind) if isinstance(kind, t.Block) else None
+        if pou is not None and "ABSTRACT" in pou.tree.modifiers:
+            self.error("E0215", decl.type, name=pou.name)
 
     def _type_later(self, var: Var, decl: s.VarDecl, pou: Pou) -> None:
         var.type = self.type(decl.type, pou=pou)
@@ -273,6 +285,8 @@ class Declarer:
 
     def pou(self, entry: Pending, bindings: dict[str, t.Type] | None = None) -> Pou:
         tree: s.Pou = entry.tree
+        if tree.kind == "INTERFACE":
+            return objects.interface(self, entry)
         pou = Pou(tree.kind, tree.name, tree, self.source, self.library, attributes=tree.attributes)
         pou.bindings = bindings or {}
         pou.serial = len(self.project.pous)
@@ -290,15 +304,34 @@ class Declarer:
             pou.type = t.Block(tree.name, tree.kind, file=self.source.path, attributes=tree.attributes)
             self.project.block_pous[pou.type] = pou
             self.project.named_types[key(tree.name)] = pou.type
+            if tree.extends is not None or tree.implements or tree.methods or key(tree.name) in self.project.extensions:
+                objects.extend(self, pou)
             self._variables(pou)
+            if tree.methods:
+                objects.declare_methods(self, pou)
             self._lay_out(pou)
         self.project.pous.append(pou)
         return pou
 
+    def method(self, pou: Pou) -> None:
+        """The variables of a method, and its result."""
+        self._variables(pou)
+        if pou.tree.result is not None:
+            kind = self.type(pou.tree.result, pou=pou)
+            pou.result = Var(pou.name, kind, "local", section="RESULT", owner=pou, library=self.library)
+
+    def kept_variables(self, pou: Pou) -> None:
+        """VAR_INST of a method: they live in the instance of its block."""
+        for section in pou.tree.sections:
+            for decl in section.decls if section.kind == "VAR_INST" else ():
+                if key(decl.name) not in pou.variables:
+                    pou.variables[key(decl.name)] = self._var(decl, section, pou)
+
     def _variables(self, pou: Pou) -> None:
         """Constants first: bounds, and initial values above them in the text, may use them."""
         sections = sorted(pou.tree.sections, key=lambda x: "CONSTANT" not in x.qualifiers)
-        made: dict[int, Var] = {}
+        made: dict[int, Var] = {id(v.decl): v for v in pou.variables.values() if v.section == "VAR_INST"}
+        inherited = {n: v for n, v in pou.variables.items() if v.owner is not pou}
         for section in sections:
             for decl in section.decls if "CONSTANT" in section.qualifiers else ():
                 pou.later.setdefault(key(decl.name), partial(self._declare, decl, section, pou, made))
@@ -307,8 +340,8 @@ class Declarer:
                 self._declare(decl, section, pou, made)
         order = [made[id(d)] for x in pou.tree.sections for d in x.decls if id(d) in made]
         order += [v for v in pou.variables.values() if v.section == "EDGE"]
-        pou.variables = {key(v.name): v for v in order}
-        pou.parameters = [v for v in order if v.section in ("VAR_INPUT", "VAR_OUTPUT", "VAR_IN_OUT")]
+        pou.variables = inherited | {key(v.name): v for v in order}
+        pou.parameters += [v for v in order if v.section in ("VAR_INPUT", "VAR_OUTPUT", "VAR_IN_OUT")]
 
     def _declare(self, decl: s.VarDecl, section: s.VarSection, pou: Pou, made: dict[int, Var]) -> None:
         name, given = key(decl.name), decl
@@ -317,7 +350,9 @@ class Declarer:
             return
         first = pou.variables.get(name)
         if first is not None:
-            line = self.source.position(first.decl.start)[0]
+            where = first.source or self.source
+            line = where.position(first.decl.start)[0]
+            line = line if where is self.source else f"{line} of {where.path}"
             self.project.reporter.add(
                 "E0201", self.source, decl.start, decl.start + len(decl.name), name=decl.name, line=line
             )
@@ -339,7 +374,7 @@ class Declarer:
         elif var.constant and section.kind == "VAR" or section.kind == "VAR_STAT":
             var.storage = "global"
             var.address = self.project.allocate(var.type.size, max(var.type.align, 4))
-        elif pou.kind == "FUNCTION" or section.kind == "VAR_TEMP":
+        elif pou.is_called or section.kind == "VAR_TEMP":
             var.storage = "local"
         var.indirect = section.kind == "VAR_IN_OUT"
         if "edge" in decl.attributes:
@@ -347,12 +382,12 @@ class Declarer:
         if var.constant and not var.indirect:
             self._constant(var)
         if var.constant and section.kind == "VAR_INPUT":
-            var.storage = "local" if pou.kind == "FUNCTION" else "this"
+            var.storage = "local" if pou.is_called else "this"
 
     def _edge(self, var: Var, decl: s.VarDecl, pou: Pou) -> None:
         """Two hidden variables for an input with an edge: what the body sees, and the input at the last call."""
         edge = decl.attributes["edge"]
-        if pou.kind == "FUNCTION" or var.section != "VAR_INPUT" or var.type is not t.BOOL:
+        if pou.is_called or var.section != "VAR_INPUT" or var.type is not t.BOOL:
             self.error("E0210", decl, edge=edge)
             return
         seen, last = (
@@ -375,10 +410,11 @@ class Declarer:
     def _lay_out(self, pou: Pou) -> None:
         """Give each variable its place in an instance."""
         block = pou.type
-        block.align = 4
-        for var in pou.variables.values():
-            if var.owner is not pou or var.storage == "local":
-                continue
+        block.align = max(block.align, 4)
+        if block.number and block.base is None:
+            block.size = 4
+        own = [v for v in pou.variables.values() if v.owner is pou and v.storage != "local"]
+        for var in own + [v for m in pou.methods.values() for v in m.variables.values()]:
             size, alignment = (4, 4) if var.indirect else (var.type.size, var.type.align)
             size += 8 * getattr(var.type, "open", 0)  # low and high of each dimension of ARRAY[*]
             if var.storage == "this":
@@ -386,12 +422,13 @@ class Declarer:
                 block.size = var.address + size
                 block.align = max(block.align, alignment)
             section = "VAR_STAT" if var.storage == "global" else var.section
+            name = var.name if var.owner is pou else f"{var.owner.name}__{var.name}"
             field = t.Field(
-                var.name, var.type, var.address, section, var.constant, var.retain, var.persistent, var.decl.attributes
+                name, var.type, var.address, section, var.constant, var.retain, var.persistent, var.decl.attributes
             )
             if var.storage == "area":
                 continue
-            block.members[key(var.name)] = field
+            block.members[key(name)] = field
             if var.init is not None and var.storage == "this":
                 self.project.field_inits[field] = var.init
         block.size = align(max(block.size, 4), block.align)

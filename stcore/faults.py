@@ -48,13 +48,13 @@ def locate(program: Program, memory: memoryview, code: str, frames: list[tuple[i
     found = _sites(program, frames)
     sites = [s for s in found if s is not None]
     whole = not found or found[-1] is None  # the scan loop has no site; a deep nesting hides the outer frames
-    if len(sites) > 1 and sites[0].code == "F0105":
-        sites = sites[1:]  # the call, not the function that had no room
-        code = "F0105"
+    what = sites[0].note if sites else ""
+    if len(sites) > 1 and sites[0].code in ("F0105", "F0109"):
+        code = sites[0].code
+        sites = sites[1:]  # the call, not the function that had no room or found no instance
     site = sites[0] if sites else None
     if not code:
         code = site.code if site and site.code else "F0107"
-    what = site.note if site else ""
     # an assertion that does not hold is the business of who made it
     site = next((s for s in sites if Path(s.file).parent != ASSERTIONS), site)
     values = struct.unpack_from("<q", memory, FAULT_A)[0]

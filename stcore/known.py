@@ -296,4 +296,4 @@ class Known(CheckedProject):
 
 def _tree(kind: str, name: str) -> s.Pou:
     """An empty POU: what is known of it is in its symbol."""
-    return s.Pou(0, 0, kind, name, 0, None, [], [], [], [], {}, None, None, None)
+    return s.Pou(0, 0, kind, name, 0, None, [], [], [], [], {}, None, [], frozenset())

@@ -28,9 +28,11 @@ TERMINALS = (
     "VAR", "VAR_GLOBAL", "VAR_ACCESS", "EDGE", "END_VAR", "QUALIFIER", "AT", "ARRAY", "OF",
     "POINTER", "REFERENCE", "REF_TO", "TO",
     "EXTENDS", "IMPLEMENTS",
+    "METHOD", "END_METHOD", "PROPERTY", "END_PROPERTY", "GET", "END_GET", "SET", "END_SET",
+    "INTERFACE", "END_INTERFACE", "MODIFIER",
     "IF", "THEN", "ELSIF", "ELSE", "END_IF", "CASE", "END_CASE", "FOR", "BY", "DO", "END_FOR",
     "WHILE", "END_WHILE", "REPEAT", "UNTIL", "END_REPEAT", "EXIT", "CONTINUE", "RETURN", "JMP",
-    "SOFT", "OBJECT", "RULE", "DOTS", "BAD",
+    "SOFT", "RULE", "DOTS", "BAD",
 )  # fmt: skip
 KIND = {name: i for i, name in enumerate(TERMINALS)}
 NAME, NUMBER, SOFT, RULE, DOTS, BAD = (KIND[n] for n in ("NAME", "NUMBER", "SOFT", "RULE", "DOTS", "BAD"))
@@ -39,9 +41,9 @@ END_KINDS = frozenset(k for n, k in KIND.items() if n.startswith("END_"))
 _RESERVED = """
 PROGRAM END_PROGRAM FUNCTION END_FUNCTION FUNCTION_BLOCK END_FUNCTION_BLOCK END_ACTION TYPE END_TYPE STRUCT
 END_STRUCT UNION END_UNION END_CONFIGURATION END_RESOURCE VAR VAR_GLOBAL END_VAR ARRAY OF POINTER REFERENCE TO
-VAR_ACCESS IF THEN ELSIF ELSE END_IF CASE END_CASE FOR BY DO END_FOR WHILE END_WHILE REPEAT UNTIL END_REPEAT EXIT
-CONTINUE
-RETURN JMP NOT STRING
+VAR_ACCESS END_METHOD END_PROPERTY END_GET END_SET END_INTERFACE
+IF THEN ELSIF ELSE END_IF CASE END_CASE FOR BY DO END_FOR WHILE END_WHILE REPEAT UNTIL END_REPEAT EXIT
+CONTINUE RETURN JMP NOT STRING
 """
 _SAME = {  # several words, one terminal
     "VAR": "VAR_INPUT VAR_OUTPUT VAR_IN_OUT VAR_TEMP VAR_STAT VAR_INST VAR_EXTERNAL",
@@ -51,15 +53,15 @@ _SAME = {  # several words, one terminal
     "BOOLEAN": "TRUE FALSE",
     "WORDOP": "AND OR XOR MOD",
     "BINOP": "AND_THEN OR_ELSE",
-    "OBJECT": "END_METHOD END_INTERFACE END_PROPERTY",
     # keywords only in their place, see _soft
-    "SOFT": "ACTION CONFIGURATION RESOURCE ON TASK WITH AT REF_TO EXTENDS IMPLEMENTS METHOD INTERFACE PROPERTY S R REF "
-    "ABSTRACT FINAL PUBLIC PRIVATE PROTECTED INTERNAL R_EDGE F_EDGE",
+    "SOFT": "ACTION CONFIGURATION RESOURCE ON TASK WITH AT REF_TO EXTENDS IMPLEMENTS METHOD INTERFACE PROPERTY GET SET "
+    "S R REF ABSTRACT FINAL PUBLIC PRIVATE PROTECTED INTERNAL OVERRIDE R_EDGE F_EDGE",
 }
 WORDS = {word: KIND[word] for word in _RESERVED.split()}
 for _terminal, _words in _SAME.items():
     WORDS.update((word, KIND[_terminal]) for word in _words.split())
-KEYWORDS = sorted(w for w, k in WORDS.items() if k != SOFT) + ["ACTION"]
+_BY_PLACE = ("ACTION", "METHOD", "PROPERTY", "INTERFACE")  # words that a slip may have been meant for all the same
+KEYWORDS = sorted(w for w, k in WORDS.items() if k != SOFT) + [*_BY_PLACE]
 
 _SIGNS = {
     ":=": "ASSIGN", "=>": "ARROW", "=": "EQ", "+": "SIGN", "-": "SIGN", ":": "COLON", ";": "SEMI", ",": "COMMA",
@@ -211,7 +213,7 @@ def _classify(word: str, tokens: Tokens) -> int:
         if "#" in word:
             return KIND["TYPED"]
         kind = WORDS.get(word.upper(), NAME)
-        if kind == SOFT or kind == KIND["OBJECT"]:
+        if kind == SOFT:
             tokens.soft = True
         elif kind == NAME and len(word) > 2 and not word.strip("_"):
             tokens.soft = True
@@ -286,15 +288,16 @@ def flatten_comments(text: str) -> str:
 # ------------------------------------------------------------------------------------------ words in their place
 
 _PATH_ENDS = frozenset(KIND[n] for n in ("NAME", "RBRACKET", "CARET", "NUMBER", "PART", "SOFT"))
-_MODIFIERS = ("ABSTRACT", "FINAL", "PUBLIC", "PRIVATE", "PROTECTED", "INTERNAL")
-_POUS = frozenset(KIND[n] for n in ("PROGRAM", "FUNCTION", "FUNCTION_BLOCK"))
+_PATH_GOES_ON = frozenset(KIND[n] for n in ("ASSIGN", "DOT", "CARET", "LBRACKET", "LPAR", "SETOP", "COLON"))
+_MODIFIERS = ("ABSTRACT", "FINAL", "PUBLIC", "PRIVATE", "PROTECTED", "INTERNAL", "OVERRIDE")
 _OBJECTS = ("METHOD", "INTERFACE", "PROPERTY")
+_HEADS = ("PROGRAM", "FUNCTION", "FUNCTION_BLOCK", *_OBJECTS)  # what a modifier may stand behind
+_BETWEEN = END_KINDS | {KIND["SEMI"], 0}  # a METHOD may begin behind these on the same line
 
 
 def resolve(tokens: Tokens, reporter: Reporter) -> None:
     """Decide what the words are that are keywords only between certain neighbours; drop rule lines and placeholders."""
     kinds, texts = tokens.kinds, tokens.texts
-    _drop_objects(tokens, reporter)
     special = [i for i, kind in enumerate(kinds) if kind >= SOFT]
     for i in reversed(special):  # from the end, so that what is taken out moves nothing that is still to come
         kind = kinds[i]
@@ -305,17 +308,31 @@ def resolve(tokens: Tokens, reporter: Reporter) -> None:
             if word in ("S", "R", "REF"):
                 _set_operator(tokens, i)
             elif word in _MODIFIERS:
-                if kinds[i - 1] in _POUS or texts[i - 1].upper() in _MODIFIERS:
-                    tokens.delete(i, i + 1)
-                else:
-                    kinds[i] = NAME
+                before = texts[i - 1].upper() if i else ""
+                kinds[i] = KIND["MODIFIER"] if _is_modifier(before, kinds[i + 1]) else NAME
             elif word in ("R_EDGE", "F_EDGE"):  # clk : BOOL R_EDGE;
                 kinds[i] = KIND["EDGE"] if kinds[i - 1] in (NAME, SOFT) and kinds[i - 2] == KIND["COLON"] else NAME
             else:
-                kinds[i] = KIND[word] if word not in _OBJECTS and _is_keyword(tokens, i, word) else NAME
-    for i in reversed([i for i, kind in enumerate(kinds) if kind == KIND["OBJECT"]]):
-        reporter.add("E0104", tokens.source, tokens.starts[i], tokens.ends[i], closer=texts[i], opener=texts[i][4:])
-        tokens.delete(i, i + 1)
+                kinds[i] = KIND[word] if _is_keyword(tokens, i, word) else NAME
+    for i in [i for i, kind in enumerate(kinds) if kind == KIND["PROPERTY"]]:
+        _accessors(tokens, i)
+
+
+def _is_modifier(before: str, after: int) -> bool:
+    return (before in _HEADS or before in _MODIFIERS) and after in (NAME, KIND["MODIFIER"])
+
+
+def _accessors(tokens: Tokens, at: int) -> None:
+    """GET and SET of a property, where no accessor is open."""
+    kinds, texts = tokens.kinds, tokens.texts
+    inside = True  # of the name of the property
+    while kinds[at] not in (KIND["END_PROPERTY"], KIND["END_FUNCTION_BLOCK"], KIND["END_PROGRAM"], 0):
+        at += 1
+        if kinds[at] in (KIND["END_GET"], KIND["END_SET"]) or kinds[at] == KIND["COLON"] and inside:
+            inside = False
+        elif kinds[at] == NAME and kinds[at - 1] != KIND["COLON"] and texts[at].upper() in ("GET", "SET"):
+            if not inside or tokens.starts_line(at) and kinds[at + 1] not in _PATH_GOES_ON:
+                kinds[at], inside = KIND[texts[at].upper()], True
 
 
 def _is_keyword(tokens: Tokens, i: int, word: str) -> bool:
@@ -324,6 +341,11 @@ def _is_keyword(tokens: Tokens, i: int, word: str) -> bool:
     before = kinds[i - 1] if i else 0
     after, then = kinds[i + 1], kinds[i + 2] if i + 2 < len(kinds) else 0
     named = after == NAME  # what follows was resolved already
+    if word in _OBJECTS:  # behind the name of a block, too
+        begins = before in _BETWEEN or before == NAME or before == SOFT or tokens.starts_line(i)
+        return (named or after == KIND["MODIFIER"]) and begins
+    if word in ("GET", "SET"):
+        return False  # decided by _accessors
     if word == "AT":
         return after == KIND["ADDRESS"]
     if word == "REF_TO":
@@ -359,23 +381,3 @@ def _drop_rule(tokens: Tokens, i: int, reporter: Reporter) -> None:
         return
     reporter.add(code, tokens.source, tokens.starts[i], tokens.ends[i], text=tokens.texts[i])
     tokens.delete(i, i + 1)
-
-
-def _drop_objects(tokens: Tokens, reporter: Reporter) -> None:
-    """METHOD, INTERFACE, PROPERTY: said once, then skipped whole."""
-    kinds, texts = tokens.kinds, tokens.texts
-    stops = (KIND["END_FUNCTION_BLOCK"], KIND["END_PROGRAM"], 0)
-    ends = KIND["OBJECT"]
-    after = END_KINDS | {KIND["SEMI"], KIND["NAME"], ends}  # a NAME: FUNCTION_BLOCK f METHOD m
-    i = 0
-    while i < len(kinds):
-        word = texts[i].upper() if kinds[i] == SOFT else ""
-        begins = i == 0 or kinds[i - 1] in after
-        if word not in _OBJECTS or not begins or kinds[i + 1] not in (NAME, SOFT):
-            i += 1
-            continue
-        last = i + 1
-        while kinds[last] not in stops and not (kinds[last] == ends and texts[last].upper() == f"END_{word}"):
-            last += 1
-        reporter.add("E0114", tokens.source, tokens.starts[i], tokens.ends[i], what=word)
-        tokens.delete(i, last + (kinds[last] == ends))

@@ -53,6 +53,8 @@ class Project:
         self.array_inits: dict[t.Array, Init] = {}  # of a named array type
         self.element_inits: dict[t.Array, Init] = {}  # of elements whose named type has an initial value
         self.block_pous: dict[t.Block, Pou] = {}
+        self.classes: list[t.Block] = []  # blocks whose instances begin with their number, by number from 1
+        self.extensions: dict[str, list[s.Pou]] = {}  # upper-case name of a block -> those that extend it
         self.named_types: dict[str, t.Type] = {}
         self.declaring = 0  # declarations that are being resolved
         self.postponed: list[Callable[[], None]] = []  # to do when none is: the targets of pointers
@@ -77,6 +79,8 @@ class Project:
     def _add_unit(self, unit: s.Node, source: Source, library: bool, table: dict[str, Pending]) -> None:
         match unit:
             case s.Pou():
+                if unit.extends is not None:
+                    self.extensions.setdefault(key(unit.extends.rpartition(".")[2]), []).append(unit)
                 self._add(table, unit.name, Pending("pou", unit, source, library, at=unit.name_start))
             case s.TypeDecl():
                 if "needs" in unit.attributes:

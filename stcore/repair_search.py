@@ -29,6 +29,7 @@ _INSERT = {
     # the beginnings of blocks, only where an end waits for one
     "IF": 0.5, "FOR": 0.6, "WHILE": 0.7, "CASE": 0.6, "REPEAT": 0.9, "VAR": 0.5, "STRUCT": 0.7, "TYPE": 0.7,
     "PROGRAM": 0.6, "FUNCTION": 0.8, "FUNCTION_BLOCK": 0.8, "VAR_GLOBAL": 0.8, "UNION": 0.9, "ACTION": 0.9,
+    "METHOD": 0.9, "PROPERTY": 0.9, "INTERFACE": 0.9, "GET": 0.9, "SET": 0.9,
     "RESOURCE": 1.0, "CONFIGURATION": 1.0,
 }  # fmt: skip
 _INSERT_COSTS = {KIND[n]: cost for n, cost in _INSERT.items() if n in KIND}
@@ -46,7 +47,9 @@ _LINKS = frozenset(KIND[n] for n in ("THEN", "DO", "OF", "TO", "BY"))
 _WORD_KINDS = frozenset(WORDS.values())
 _POU_ENDS = [KIND[n] for n in ("END_PROGRAM", "END_FUNCTION", "END_FUNCTION_BLOCK", "$END")]
 _OUTER = frozenset(
-    KIND[n] for n in ("PROGRAM", "FUNCTION", "FUNCTION_BLOCK", "TYPE", "VAR_GLOBAL", "RESOURCE", "CONFIGURATION")
+    KIND[n] for n in (
+        "PROGRAM", "FUNCTION", "FUNCTION_BLOCK", "TYPE", "VAR_GLOBAL", "RESOURCE", "CONFIGURATION", "INTERFACE",
+    )
 )
 _ENDINGS = CLOSING | UNIT_STARTERS | {0}
 _SECTION_STARTERS = frozenset(KIND[n] for n in ("VAR", "VAR_GLOBAL", "TYPE", "STRUCT"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from stcore import syntax as s
@@ -60,12 +60,14 @@ class Init:
 
 @dataclass(eq=False, slots=True)
 class Pou:
-    """A PROGRAM, FUNCTION or FUNCTION_BLOCK.
+    """A PROGRAM, FUNCTION, FUNCTION_BLOCK, INTERFACE, or a METHOD of one (GET, SET: an accessor of a property).
 
-    type: the Block of its instances (None for a function). variables: upper-case name -> Var. parameters: the inputs,
-    in-outs and outputs in order of declaration. result: the variable of a function's name. bindings: what the type
-    names of a generic function stand for in this instance of it. uses: the POUs and globals that its code needs.
-    calls: how many places call it.
+    type: the Block of its instances (None for a function), of a method that of its block. variables: upper-case name
+    -> Var. parameters: the inputs, in-outs and outputs in order of declaration. result: the variable of a function's
+    name. bindings: what the type names of a generic function stand for in this instance of it. uses: the POUs and
+    globals that its code needs. calls: how many places call it. holder: the block, program or interface whose method
+    it is. base: the block that it EXTENDS. interfaces: those that it IMPLEMENTS; of an interface those that it EXTENDS.
+    methods: its own, accessors as NAME.GET and NAME.SET (stcore/objects.py).
     """
 
     kind: str
@@ -82,6 +84,10 @@ class Pou:
     edges: dict[str, Var] = field(default_factory=dict)  # input with R_EDGE or F_EDGE -> what the body sees of it
     later: dict[str, Callable[[], None]] = field(default_factory=dict)  # declares a constant that stands further down
     actions: dict[str, s.Action] = field(default_factory=dict)
+    holder: Pou | None = None
+    base: Pou | None = None
+    interfaces: list[Pou] = field(default_factory=list)
+    methods: dict[str, Pou] = field(default_factory=dict)
     attributes: dict[str, str] = field(default_factory=dict)
     uses: set[Pou] = field(default_factory=set)
     address: int | None = None  # of a program's instance
@@ -94,6 +100,35 @@ class Pou:
     @property
     def external(self) -> bool:
         return "external" in self.attributes
+
+    @property
+    def is_called(self) -> bool:
+        """True for a function and a method: called with arguments, its variables are new for each call."""
+        return self.kind == "FUNCTION" or self.holder is not None
+
+    @property
+    def full_name(self) -> str:
+        """As messages name it: Block.Method, Block.Property.GET."""
+        if self.holder is None:
+            return self.name
+        return f"{self.holder.name}.{self.name}{'' if self.kind == 'METHOD' else '.' + self.kind}"
+
+    def chain(self) -> Iterator[Pou]:
+        """It and the blocks that it extends, or the interfaces."""
+        yield self
+        if self.base is not None:
+            yield from self.base.chain()
+        if self.kind == "INTERFACE":
+            for interface in self.interfaces:
+                yield from interface.chain()
+
+    def method(self, name: str) -> Pou | None:
+        """Its own or inherited method of an upper-case name (accessors: NAME.GET, NAME.SET)."""
+        return next((p.methods[name] for p in self.chain() if name in p.methods), None)
+
+    def action(self, name: str) -> ActionOf | None:
+        """Its own or inherited action of an upper-case name."""
+        return next((ActionOf(p, p.actions[name]) for p in self.chain() if name in p.actions), None)
 
     def inputs(self) -> list[Var]:
         """What the code of a function takes, in order: inputs and in-outs."""
@@ -149,6 +184,39 @@ class ActionOf:
     pou: Pou
     action: s.Action
     base: s.Node | None = None
+
+
+@dataclass(eq=False, slots=True)
+class MethodOf:
+    """A method of a block or interface: `base` is the instance expression, None for the running one. fixed: it is this
+    one whatever the instance is of: SUPER^.m()."""
+
+    pou: Pou
+    base: s.Node | None = None
+    fixed: bool = False
+
+
+@dataclass(eq=False, slots=True)
+class PropertyOf:
+    """A property as `MethodOf` is a method; an accessor that it lacks is None."""
+
+    name: str
+    getter: Pou | None
+    setter: Pou | None
+    base: s.Node | None = None
+    fixed: bool = False
+
+
+def member_of(pou: Pou, name: str, base: s.Node | None = None) -> MethodOf | PropertyOf | None:
+    """The method or property of a block or interface that has this upper-case name."""
+    fixed = isinstance(base, s.Deref) and base.base.symbol == "super"
+    method = pou.method(name)
+    if method is not None:
+        return MethodOf(method, base, fixed)
+    getter, setter = pou.method(f"{name}.GET"), pou.method(f"{name}.SET")
+    if getter is None and setter is None:
+        return None
+    return PropertyOf((getter or setter).name, getter, setter, base, fixed)
 
 
 class Convert(s.Node):

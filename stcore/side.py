@@ -19,8 +19,9 @@ from stcore.build_program import at_full_length
 from stcore.check import Checker
 from stcore.diagnostics import CompileError, Diagnostic, Reporter
 from stcore.emit import ModuleEmitter
+from stcore.emit.dispatch import signature
 from stcore.emit.function import FunctionEmitter
-from stcore.emit.values import load, store, wasm_type
+from stcore.emit.values import load, store
 from stcore.known import Known, Names, Scene
 from stcore.machine import SIDE, assemble
 from stcore.parser import parse_expression, parse_statements
@@ -223,17 +224,7 @@ class _Emitter(ModuleEmitter):
     def _signature(self, pou: Pou) -> str:
         if pou.kind != "FUNCTION":
             return "" if pou.kind == "PROGRAM" else "(param i32)"
-        params, results = [], []
-        for p in pou.inputs():
-            params.append("i32" if p.indirect else wasm_type(p.type))
-            params += ["i32"] * (2 * getattr(p.type, "open", 0))
-        outputs = [p for p in pou.parameters if p.section == "VAR_OUTPUT"]
-        params += ["i32" for p in outputs if t.is_aggregate(p.type)]
-        if pou.result is not None and t.is_aggregate(pou.result.type):
-            params.append("i32")
-        elif pou.result is not None:
-            results.append(wasm_type(pou.result.type))
-        results += [wasm_type(p.type) for p in outputs if not t.is_aggregate(p.type)]
+        params, results = signature(pou)
         head = f"(param {' '.join(params)})" if params else ""
         return f"{head} (result {' '.join(results)})" if results else head
 

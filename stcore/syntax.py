@@ -52,19 +52,33 @@ class File(Node):
     __slots__ = ("units", "attributes")
 
 
-class Pou(Node):
-    """PROGRAM, FUNCTION, FUNCTION_BLOCK (kind, upper case); METHOD later.
+# kinds of the methods of a block, and the word that each is written with
+WRITTEN = {"METHOD": "METHOD", "GET": "PROPERTY", "SET": "PROPERTY"}
 
-    result: a type node for a FUNCTION with a result, else None. generics: list of (name, ANY type name), written
-    ``FUNCTION LEN <T: ANY_STRING> : INT``, used by the library. actions: list of Action. attributes: dict of
-    ``{attribute 'name' := 'value'}`` pragmas, lower-case names, value '' when absent. extends, implements, methods,
-    properties: room for object orientation (None or empty now). name_start: where the name stands.
+
+class Pou(Node):
+    """PROGRAM, FUNCTION, FUNCTION_BLOCK, INTERFACE, METHOD, and GET, SET of a property (kind, upper case).
+
+    result: a type node for a FUNCTION, METHOD or GET with a result, else None. generics: list of (name, ANY type name),
+    written ``FUNCTION LEN <T: ANY_STRING> : INT``, used by the library. parts: what belongs to it: Action, and the Pou
+    of each method, GET and SET. attributes: dict of ``{attribute 'name' := 'value'}`` pragmas, lower-case names,
+    value '' when absent. extends: the name of the block that it extends, or None. implements: names of interfaces; of
+    an INTERFACE those that it extends. modifiers: frozenset of ABSTRACT, FINAL, PUBLIC, PRIVATE, ... name_start: where
+    the name stands.
     """
 
     __slots__ = (
-        "kind", "name", "name_start", "result", "generics", "sections", "body", "actions", "attributes",
-        "extends", "implements", "methods",
+        "kind", "name", "name_start", "result", "generics", "sections", "body", "parts", "attributes",
+        "extends", "implements", "modifiers",
     )  # fmt: skip
+
+    @property
+    def actions(self) -> list[Action]:
+        return [p for p in self.parts if isinstance(p, Action)]
+
+    @property
+    def methods(self) -> list[Pou]:
+        return [p for p in self.parts if isinstance(p, Pou)]
 
 
 class Action(Node):

@@ -243,8 +243,9 @@ class Struct(Type):
 class Block(Type):
     """A FUNCTION_BLOCK or PROGRAM as the type of its instances: a structure with code.
 
-    kind: 'FUNCTION_BLOCK' or 'PROGRAM'. members in order of declaration. size is 4 at least, so that two
-    instances never share an address.
+    kind: 'FUNCTION_BLOCK' or 'PROGRAM'. members in order of declaration, those of the base first. size is 4 at least,
+    so that two instances never share an address. base: the block that it EXTENDS. number: what its instances begin
+    with where a call may have to find out whose they are (stcore/objects.py); 0 where they have no such word.
     """
 
     name: str
@@ -254,6 +255,32 @@ class Block(Type):
     align: int = 4
     file: str = ""
     attributes: dict = field(default_factory=dict)
+    base: Block | None = None
+    number: int = 0
+
+    def extends(self, other: Type) -> bool:
+        """True if it is the other block or extends it, maybe over others."""
+        block = self
+        while block is not None and block is not other:
+            block = block.base
+        return block is not None
+
+
+@dataclass(eq=False, slots=True, repr=False)
+class Interface(Pointer):
+    """An INTERFACE as the type of variables: the address of an instance of a block that implements it, or 0.
+
+    target: a block without members that stands for it. bases: the interfaces that it extends.
+    """
+
+    bases: list[Interface] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.name = self.target.name
+
+    def extends(self, other: Type) -> bool:
+        """True if it is the other interface or extends it, maybe over others."""
+        return self is other or any(b.extends(other) for b in self.bases)
 
 
 def base_of(t: Type) -> Type:

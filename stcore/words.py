@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from stcore.lexer import KEYWORDS, KIND, TERMINALS, WORDS
+from stcore.lexer import KEYWORDS, KIND, SOFT, TERMINALS, WORDS
 
 _NAMES = {
     "$END": "the end of the file", "NAME": "a name", "NUMBER": "a value", "TYPED": "a value", "TEXT": "a string",
@@ -12,6 +12,7 @@ _NAMES = {
     "ARROW": "=>", "EQ": "=", "SIGN": "+ or -", "BINOP": "an operator", "WORDOP": "an operator", "COLON": ":",
     "SEMI": ";", "COMMA": ",", "DOT": ".", "DOTDOT": "..", "CARET": "^", "HASH": "#", "LPAR": "(", "RPAR": ")",
     "LBRACKET": "[", "RBRACKET": "]", "QUALIFIER": "CONSTANT or RETAIN",
+    "MODIFIER": "PUBLIC",
 }  # fmt: skip
 
 # what stands for a token that was missing, so that the tree is whole
@@ -22,13 +23,18 @@ CLOSERS = {
     "STRUCT": "END_STRUCT", "UNION": "END_UNION", "TYPE": "END_TYPE", "VAR": "END_VAR", "VAR_GLOBAL": "END_VAR",
     "VAR_ACCESS": "END_VAR",
     "PROGRAM": "END_PROGRAM", "FUNCTION": "END_FUNCTION", "FUNCTION_BLOCK": "END_FUNCTION_BLOCK",
+    "METHOD": "END_METHOD", "PROPERTY": "END_PROPERTY", "GET": "END_GET", "SET": "END_SET",
+    "INTERFACE": "END_INTERFACE",
     "ACTION": "END_ACTION", "CONFIGURATION": "END_CONFIGURATION", "RESOURCE": "END_RESOURCE",
 }  # fmt: skip
 _GLUED = re.compile(rf"({'|'.join(k for k in KEYWORDS if k.startswith('END_'))})(?!_)(\w+)", re.I)
 CLOSER_OF = {KIND[opener]: KIND[closer] for opener, closer in CLOSERS.items()}
 CLOSING = frozenset(CLOSER_OF.values()) | {KIND["ELSE"], KIND["ELSIF"], KIND["UNTIL"]}
 UNIT_STARTERS = frozenset(
-    KIND[n] for n in ("PROGRAM", "FUNCTION", "FUNCTION_BLOCK", "TYPE", "VAR_GLOBAL", "CONFIGURATION", "ACTION")
+    KIND[n] for n in (
+        "PROGRAM", "FUNCTION", "FUNCTION_BLOCK", "TYPE", "VAR_GLOBAL", "CONFIGURATION", "ACTION", "METHOD", "PROPERTY",
+        "INTERFACE",
+    )
 )
 
 
@@ -80,8 +86,8 @@ def near_keywords(text: str) -> list[tuple[str, int]]:
 
 
 def keyword_kind(keyword: str) -> int:
-    """The terminal of a keyword, ACTION included."""
-    return KIND[keyword] if keyword == "ACTION" else WORDS[keyword]
+    """The terminal of a keyword, also of one that is a keyword only in its place."""
+    return KIND[keyword] if WORDS[keyword] == SOFT else WORDS[keyword]
 
 
 def glued(text: str) -> str:

@@ -55,10 +55,14 @@ class CheckedProject(Project):
         return super().known_names(library) + [n for n in builtins.HANDLERS if library or not n.startswith("__")]
 
     def reach(self, pou: Pou) -> None:
-        """The program needs this POU."""
+        """The program needs this POU; with a block what it extends, and methods that may be called on an instance."""
         if pou not in self.reached:
             self.reached[pou] = None
             self.queue.append(pou)
+            for method in pou.methods.values():
+                self.reach(method)
+            if pou.base is not None:
+                self.reach(pou.base)
 
     def check_reached(self) -> None:
         """Check every POU that is needed, and what those need."""

@@ -12,7 +12,7 @@ from stcore.check.conversions import common, kind_of, same
 from stcore.check.expressions import Expressions
 from stcore.check.room import room_argument
 from stcore.near import near
-from stcore.scope import ActionOf, Builtin, Pou, TypeName, Var, key
+from stcore.scope import ActionOf, Builtin, MethodOf, Pou, TypeName, Var, key
 
 
 @dataclass(eq=False, slots=True)
@@ -50,7 +50,7 @@ class Calls(Expressions):
             if isinstance(symbol, Builtin):
                 return builtins.check(self, symbol.name, node)
             if symbol is not None and self.pou is not None and symbol is self.pou.result:
-                symbol = self.pou  # a function that calls itself
+                symbol = MethodOf(self.pou) if self.pou.holder else self.pou  # it calls itself
             if symbol is None and "TO_" in key(node.callee.name):
                 made = self._overloaded_conversion(node)
                 if made is not None:
@@ -73,17 +73,19 @@ class Calls(Expressions):
     def _call_symbol(self, node: s.Call, symbol: object, checked: bool) -> s.Node:
         if isinstance(symbol, Pou) and symbol.kind == "FUNCTION":
             return self._function(node, symbol, checked)
-        if isinstance(symbol, Pou) and isinstance(node.callee, s.Name):
+        if isinstance(symbol, Pou | MethodOf) and isinstance(node.callee, s.Name):
             self._use(node.callee, symbol)  # not a constant of the same name
         elif isinstance(node.callee, s.Name):
             node.callee = self.expr(node.callee)
             symbol = node.callee.symbol
-        if isinstance(symbol, ActionOf | s.Action):
+        if isinstance(symbol, ActionOf):
             return self._action(node, symbol)
+        if isinstance(symbol, MethodOf):
+            return self.method_call(node, symbol, checked)
         kind = node.callee.type
         if kind is t.ERROR:
             return self._skip(node)
-        if isinstance(kind, t.Pointer) and isinstance(kind.target, t.Block):
+        if kind.__class__ is t.Pointer and isinstance(kind.target, t.Block):
             self.error("E0307", node.callee, name="()", base=self.text(node.callee))
             return self._skip(node)
         if isinstance(kind, t.Block):
@@ -105,10 +107,10 @@ class Calls(Expressions):
                 self.value(arg.value)
         return self.wrong(node)
 
-    def _action(self, node: s.Call, symbol: object) -> s.Node:
+    def _action(self, node: s.Call, symbol: ActionOf) -> s.Node:
         if node.args:
             self.error("E0401", node, name=self.text(node.callee), wanted=0, given=len(node.args))
-        node.symbol = node.callee.symbol
+        node.symbol = symbol
         node.type = None
         return node
 
@@ -143,13 +145,27 @@ class Calls(Expressions):
             checked = True
         if len(node.args) > len(pou.inputs()) and len(pou.inputs()) == 2 and generic:
             return self._chain(node, pou)
-        bound = self._match(node, pou)
+        bound = self.match(node, pou)
         if bound is None:
             return self._skip(node) if not checked else self.wrong(node)
+        call = FunctionCall(pou, [], [])
+        self.fill(node, call, bound, checked)
+        self.use(pou)
+        pou.calls += 1
+        if self.pou is not None and (pou.writes_outside or pou.external or not pou.library):
+            self.pou.writes_outside = True
+        node.symbol = call
+        node.type = pou.result.type if pou.result is not None else None
+        if "real_result" in pou.attributes and node.type is t.LREAL and self._all_real(call):
+            return self._wrapped(node, t.REAL)
+        return node
+
+    def fill(self, node: s.Call, call: FunctionCall, bound: dict, checked: bool) -> None:
+        """The arguments and outputs of a call of a function or method."""
+        pou = call.pou
         lacking = [p for p in pou.arguments() if p.section == "VAR_INPUT" and p not in bound and p.init is None]
         if lacking and not checked:
             self.warn("W0402", node, name=pou.name, missing=" and ".join(p.name for p in lacking))
-        call = FunctionCall(pou, [], [])
         call.en, call.eno = self._enable(bound, pou)
         for parameter in pou.parameters:
             arg = bound.get(parameter)
@@ -160,15 +176,6 @@ class Calls(Expressions):
                 call.values.append((parameter, room_argument(node, parameter, call.values)))
             else:
                 call.values.append((parameter, self._argument(node, arg, parameter, pou, checked)))
-        self.use(pou)
-        pou.calls += 1
-        if self.pou is not None and (pou.writes_outside or pou.external or not pou.library):
-            self.pou.writes_outside = True
-        node.symbol = call
-        node.type = pou.result.type if pou.result is not None else None
-        if "real_result" in pou.attributes and node.type is t.LREAL and self._all_real(call):
-            return self._wrapped(node, t.REAL)
-        return node
 
     @staticmethod
     def _all_real(call: FunctionCall) -> bool:
@@ -224,7 +231,7 @@ class Calls(Expressions):
 
     # ---------------------------------------------------------------------------------------- arguments
 
-    def _match(self, node: s.Call, pou: Pou) -> dict | None:
+    def match(self, node: s.Call, pou: Pou) -> dict | None:
         """Parameter -> Arg ('EN' and 'ENO' by name). None when there are too many or unknown ones."""
         inputs, bound, failed = pou.arguments(), {}, False
         parameters = [p for p in pou.parameters if not p.room_of]
@@ -299,7 +306,7 @@ class Calls(Expressions):
         open_array = arrays and wanted.open == dimensions and same(given.element, wanted.element)
         if strings and given.length < wanted.length and not constant:
             self.warn("W0401", arg, given=given, wanted=wanted, what=what)
-        elif not (same(given, wanted) or strings or open_array or t.base_of(given) is t.base_of(wanted)):
+        elif not (same(given, wanted) or strings or open_array or _is_one(given, wanted)):
             equal = arrays and wanted.bounds and self._compatible_aggregates(place, given, wanted)
             if not equal:
                 self.error("E0411", arg, what=what, given=given, wanted=wanted)
@@ -319,7 +326,7 @@ class Calls(Expressions):
 
     def _block(self, node: s.Call, kind: t.Block, checked: bool) -> s.Node:
         pou = self.project.block_pous[kind]
-        bound = self._match(node, pou)
+        bound = self.match(node, pou)
         if bound is None:
             return self._skip(node)
         call = BlockCall(pou, node.callee)
@@ -343,6 +350,11 @@ class Calls(Expressions):
         self._mark(node.callee, node.callee, True, True)
         node.symbol, node.type = call, None
         return node
+
+
+def _is_one(given: t.Type, wanted: t.Type) -> bool:
+    """An instance of a block is also one of the blocks that its block extends, a value of an ENUM one of its base."""
+    return t.base_of(given) is t.base_of(wanted) or isinstance(given, t.Block) and given.extends(wanted)
 
 
 def _names(decl: s.VarDecl) -> set[str]:

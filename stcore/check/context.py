@@ -6,7 +6,7 @@ from stcore import syntax as s
 from stcore import types as t
 from stcore.near import near
 from stcore.project import Project
-from stcore.scope import Pou, key
+from stcore.scope import Pou, key, member_of
 from stcore.source import Source
 
 
@@ -21,6 +21,7 @@ class Context:
         self.unknown: set[str] = set()  # reported once a POU
         self.loops = 0
         self.labels: frozenset[str] = frozenset()  # that JMP can reach
+        self.target: s.Node | None = None  # what an assignment writes: a property there is not read
 
     def report(self, code: str, node: s.Node, hint: str = "", **fields) -> None:
         self.project.reporter.add(code, self.source, node.start, node.end, hint=hint, **fields)
@@ -36,27 +37,40 @@ class Context:
         return self.source.text[node.start : node.end]
 
     def lookup(self, name: str) -> object | None:
-        """The symbol of a name: of this POU first, then global."""
-        upper = key(name)
-        if self.pou is not None:
-            if upper in self.pou.later:
-                self.pou.later[upper]()
-            var = self.pou.edges.get(upper) or self.pou.variables.get(upper)
-            if var is not None:
-                return var
-            if self.pou.result is not None and upper == key(self.pou.name):
-                return self.pou.result
-            if upper in self.pou.enum_names:
-                return self.pou.enum_names[upper]
-            if upper in self.pou.actions:
-                return self.pou.actions[upper]
+        """The symbol of a name: of this POU first, of the block whose method it is, then global."""
+        upper, pou = key(name), self.pou
+        while pou is not None:
+            found = self._own(pou, upper)
+            if found is not None:
+                return found
+            pou = pou.holder
         return self.project.lookup(name, self.library)
+
+    @staticmethod
+    def _own(pou: Pou, upper: str) -> object | None:
+        """What a name means in a POU itself."""
+        if upper in pou.later:
+            pou.later[upper]()
+        var = pou.edges.get(upper) or pou.variables.get(upper)
+        if var is not None:
+            return var
+        if pou.result is not None and upper == key(pou.name):
+            return pou.result
+        if upper in pou.enum_names:
+            return pou.enum_names[upper]
+        found = pou.action(upper) or member_of(pou, upper)
+        if found is None and pou.base is not None:
+            return next((p.enum_names[upper] for p in pou.chain() if upper in p.enum_names), None)
+        return found
 
     def known_names(self) -> list[str]:
         """Every name that can be used here."""
         known = self.project.known_names(self.library)
-        if self.pou is not None:
-            known = [v.name for v in self.pou.variables.values()] + known
+        pou = self.pou
+        while pou is not None:
+            methods = [m.name for p in pou.chain() for m in p.methods.values()]
+            known = [v.name for v in pou.variables.values()] + methods + known
+            pou = pou.holder
         return known
 
     def near(self, name: str) -> str:

@@ -93,6 +93,8 @@ class Conversions(Printed):
         source = node.type
         if same(source, target) or t.ERROR in (source, target):
             return node
+        if source.__class__ is t.Interface or target.__class__ is t.Interface:
+            return self._to_interface(node, target, what)
         if node.const is not None and isinstance(source, t.Elementary) and source.kind in ("literal", "int", "bits"):
             folded = self._convert_constant(node, target)
             if folded is not None:
@@ -114,6 +116,24 @@ class Conversions(Printed):
             return node
         self._refuse(node, source, target, what)
         return node
+
+    def _to_interface(self, node: s.Node, target: t.Type, what: str) -> s.Node:
+        """For a variable of an interface: an instance whose block implements it, an interface that extends it, or 0."""
+        source = node.type
+        if isinstance(target, t.Interface):
+            if source is t.NULL or source is t.INT_LITERAL and node.const == 0:
+                return self._convert_constant(node, target)
+            if isinstance(source, t.Interface) and source.extends(target):
+                return self._wrapped(node, target)
+            if isinstance(source, t.Block) and self._implements(source, target):
+                self._mark(node, node, True, True)
+                return self._wrapped(node, target)
+        self._refuse(node, source, target, what)
+        return node
+
+    def _implements(self, block: t.Block, interface: t.Interface) -> bool:
+        pous = self.project.block_pous[block].chain()
+        return any(x.type.extends(interface) for pou in pous for x in pou.interfaces)
 
     def _wrapped(self, node: s.Node, target: t.Type) -> s.Node:
         made = Convert(node.start, node.end, node)
@@ -187,6 +207,7 @@ class Conversions(Printed):
                 while isinstance(pointed, t.Array) and not isinstance(target.target, t.Array):
                     pointed = pointed.element
                 exact = same(pointed, target.target) or target.target.size == pointed.size
+                exact |= isinstance(pointed, t.Block) and pointed.extends(target.target)
                 elements = _element(source.target), _element(target.target)
                 generic = t.BYTE in elements or elements[0] is elements[1]  # how V2.3 hands over arrays of any length
                 if not exact and not generic and t.ERROR not in (source.target, target.target):

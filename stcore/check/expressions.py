@@ -19,7 +19,10 @@ class Expressions(Names):
 
     def value(self, node: s.Node) -> s.Node:
         """An expression that must be a value: not the name of a type, a function or an action."""
-        node = self.expr(node)
+        return self.as_value(self.expr(node))
+
+    def as_value(self, node: s.Node) -> s.Node:
+        """The same of an expression that has been checked."""
         if node.type is None:
             self.error("E0303", node, name=self.text(node))
             node.type = t.ERROR
@@ -225,7 +228,7 @@ class Expressions(Names):
 
     def _comparable(self, node: s.Binary, kinds: tuple[str, str]) -> bool:
         left, right = node.left, node.right
-        if "pointer" in kinds:
+        if "pointer" in kinds or "interface" in kinds:
             node.left, node.right = self._as_address(left), self._as_address(right)
             return t.ERROR not in (node.left.type, node.right.type)
         if kinds[0] == kinds[1] and kinds[0] in ("bool", "time", "date", "char"):
@@ -243,6 +246,8 @@ class Expressions(Names):
         return False
 
     def _as_address(self, node: s.Node) -> s.Node:
+        if isinstance(node.type, t.Interface):
+            return self._wrapped(node, t.DWORD)
         return node if node.type in (t.NULL, t.DWORD) else self.convert(node, t.DWORD)
 
     def _logic(self, node: s.Binary) -> s.Node:
@@ -326,7 +331,9 @@ class Expressions(Names):
         return node
 
     def call_expression(self, node: s.Call) -> s.Node:
-        return self.call(node)
+        made = self.call(node)
+        refers = isinstance(made.type, t.Pointer) and made.type.reference and isinstance(made, s.Call)
+        return self._follow(made) if refers else made
 
     METHODS = {
         s.Literal: Names.literal, s.Name: Names.name, s.Address: Names.address, s.Member: Names.member,

@@ -8,7 +8,7 @@ from stcore.check.conversions import INTEGER, Conversions, kind_of
 from stcore.check.fold import wrap
 from stcore.declare import parse_direct
 from stcore.near import near
-from stcore.scope import ActionOf, EnumValue, GlobalList, Pou, TypeName, Var, key
+from stcore.scope import ActionOf, EnumValue, GlobalList, MethodOf, Pou, PropertyOf, TypeName, Var, key, member_of
 
 DIRECT_TYPES = {0: t.BOOL, 1: t.BYTE, 2: t.WORD, 4: t.DWORD, 8: t.LWORD}
 PART_TYPES = {"X": t.BOOL, "B": t.BYTE, "W": t.WORD, "D": t.DWORD}
@@ -62,12 +62,23 @@ class Names(Conversions):
             if key(node.name) == "THIS" and self.pou is not None and self.pou.type is not None:
                 node.type, node.symbol = t.Pointer(self.pou.type), "this"
                 return node
+            if key(node.name) == "SUPER" and self.pou is not None and self.pou.type is not None:
+                return self._super(node)
             meant = self.meant(node, node.name, self.known_names())
             symbol = self.lookup(meant) if meant else self.declare_missing(node)
             if symbol is None:
                 self.unknown_name(node, node.name)
                 return self.wrong(node)
         return self._use(node, symbol)
+
+    def _super(self, node: s.Name) -> s.Node:
+        """The running instance as one of the block that its block extends."""
+        base = (self.pou.holder or self.pou).base
+        if base is None:
+            self.error("E0415", node, name=(self.pou.holder or self.pou).name)
+            return self.wrong(node)
+        node.type, node.symbol = t.Pointer(base.type), "super"
+        return node
 
     def _use(self, node: s.Node, symbol: object) -> s.Node:
         """What a name stands for, put on its node."""
@@ -86,8 +97,8 @@ class Names(Conversions):
             self.project.instance(symbol)
             self.use(symbol)
             node.type = symbol.type
-        elif isinstance(symbol, s.Action):
-            node.symbol = ActionOf(self.pou, symbol)
+        elif isinstance(symbol, MethodOf | PropertyOf):
+            return self.of_instance(node, symbol)
         return node
 
     def _circle(self, node: s.Node, symbol: Var) -> s.Node:
@@ -135,6 +146,8 @@ class Names(Conversions):
         kind = base.type
         if kind is t.ERROR:
             return self.wrong(node)
+        if isinstance(kind, t.Interface):
+            return self.interface_member(node, kind)
         if isinstance(kind, t.Struct | t.Block):
             return self._field(node, kind, name)
         if isinstance(kind, t.Enum) and key(kind.name) == key(self.text(base)):
@@ -161,16 +174,22 @@ class Names(Conversions):
         field = kind.members.get(name)
         if field is None and isinstance(kind, t.Block):
             pou = self.project.block_pous[kind]
-            if name in pou.actions:
-                node.symbol = ActionOf(pou, pou.actions[name], node.base)
-                self.use(pou)
+            action = pou.action(name)
+            if action is not None:
+                node.symbol = ActionOf(action.pou, action.action, node.base)
+                self.use(action.pou)
                 return node
+            found = member_of(pou, name, node.base)
+            if found is not None:
+                return self.of_instance(node, found)
             var = pou.variables.get(name)
             if var is not None and var.storage == "area":
                 return self._use(node, var)
             field = self._other_name(node, kind, pou.parameters)
         if field is None:
             known = [f.name for f in kind.members.values()]
+            if isinstance(kind, t.Block):
+                known += [m.name for p in self.project.block_pous[kind].chain() for m in p.methods.values()]
             self.error("E0306", node, name=node.name, type=kind.name, near=near(node.name, known))
             return self.wrong(node)
         node.type, node.symbol = field.type, field
@@ -217,7 +236,7 @@ class Names(Conversions):
         node.indices = [self._index_value(i) for i in node.indices]
         if isinstance(kind, t.Array):
             return self._array_element(node, kind)
-        if isinstance(kind, t.Pointer | t.String) and len(node.indices) == 1:
+        if isinstance(kind, t.Pointer | t.String) and len(node.indices) == 1 and not isinstance(kind, t.Interface):
             if isinstance(kind, t.Pointer):
                 node.type = kind.target
             else:
@@ -263,7 +282,7 @@ class Names(Conversions):
         node.base = base = self.value(node.base)
         if base.type is t.ERROR:
             return self.wrong(node)
-        if not isinstance(base.type, t.Pointer):
+        if not isinstance(base.type, t.Pointer) or isinstance(base.type, t.Interface):
             self.error("E0315", node, name=self.text(base), type=base.type)
             return self.wrong(node)
         node.type = base.type.target
@@ -273,7 +292,11 @@ class Names(Conversions):
 
     def place(self, node: s.Node, *, write: bool, addressed: bool = False) -> s.Node:
         """An expression that must be a variable: what := fills, ADR takes, VAR_IN_OUT is given."""
-        node = self.value(node)
+        return self.placed(self.expr(node), write=write, addressed=addressed)
+
+    def placed(self, node: s.Node, *, write: bool, addressed: bool = False) -> s.Node:
+        """The same of an expression that has been checked."""
+        node = self.as_value(node)
         if node.type is not t.ERROR:
             self._mark(node, node, write, addressed)
         return node
@@ -300,7 +323,7 @@ class Names(Conversions):
                 self._mark(node.base, whole, write, addressed)
             case s.Deref():
                 self._outside(write)
-            case s.Name() if isinstance(node.symbol, Pou) or node.symbol == "this":
+            case s.Name() if isinstance(node.symbol, Pou) or node.symbol in ("this", "super"):
                 self._outside(write)
             case s.Call() if write and not addressed:
                 self._no_variable(whole)
@@ -325,5 +348,6 @@ class Names(Conversions):
                 self.error("E0318", whole, name=self.text(whole), why="it is passed without a copy")
         var.written |= write
         var.addressed |= addressed
-        if var.storage in ("global", "area") or var.indirect:
+        of_instance = self.pou is not None and self.pou.holder is not None and var.storage == "this"
+        if var.storage in ("global", "area") or var.indirect or of_instance:
             self._outside(write)

@@ -4,29 +4,35 @@ from __future__ import annotations
 
 from stcore import syntax as s
 from stcore import types as t
-from stcore.check.calls import Calls
 from stcore.check.conversions import INTEGER, kind_of
-from stcore.scope import ActionOf, Convert, Pou, key, place_node
+from stcore.check.methods import Methods
+from stcore.scope import ActionOf, Convert, MethodOf, Pou, PropertyOf, key, place_node
 
 
-class Statements(Calls):
+class Statements(Methods):
     """Checks the statements of a body."""
 
     def body(self, statements: list[s.Node]) -> None:
         """JMP reaches the labels of its own list of statements and of those around it."""
         outer = self.labels
         self.labels = outer | {key(n.name) for n in statements if isinstance(n, s.Label)}
-        for node in statements:
-            self.statement(node)
+        for i, node in enumerate(statements):
+            statements[i] = self.statement(node) or node
         self.labels = outer
 
-    def statement(self, node: s.Node) -> None:
-        self.STATEMENTS[type(node)](self, node)
+    def statement(self, node: s.Node) -> s.Node | None:
+        """Check a statement; what is to stand in its place, if it is something else."""
+        return self.STATEMENTS[type(node)](self, node)
 
-    def assign(self, node: s.Assign) -> None:
+    def assign(self, node: s.Assign) -> s.Node | None:
         if node.op == "REF=":
             return self._bind_reference(node)
-        node.target = target = self.place(node.target, write=True)
+        self.target = node.target
+        target = self.expr(node.target)
+        self.target = None
+        if isinstance(target.symbol, PropertyOf) and target is node.target and node.op == ":=":
+            return self.write_property(node, target.symbol)
+        node.target = target = self.placed(target, write=True)
         if node.op in ("S=", "R="):
             node.value = self.boolean(node.value, f"the value of {node.op}")
             if target.type not in (t.BOOL, t.ERROR):
@@ -55,7 +61,8 @@ class Statements(Calls):
         node.value = value
         self._mark(value, value, True, True)
         wanted = target.base.type.target
-        if value.type is not t.ERROR and value.type is not wanted and value.type.size != wanted.size:
+        derived = isinstance(value.type, t.Block) and value.type.extends(wanted)
+        if value.type is not t.ERROR and value.type is not wanted and value.type.size != wanted.size and not derived:
             self.error("E0302", node.value, source=value.type, target=wanted, what="")
 
     def call_statement(self, node: s.ExprStmt) -> None:
@@ -64,10 +71,11 @@ class Statements(Calls):
         if not isinstance(expr, s.Call) and isinstance(expr, s.Name | s.Member):
             expr = s.Call(expr.start, expr.end, expr, [])
             symbol = self.lookup(expr.callee.name) if isinstance(expr.callee, s.Name) else None
-            is_call = isinstance(symbol, s.Action) or isinstance(symbol, Pou) and symbol.kind != "FUNCTION_BLOCK"
+            is_call = isinstance(symbol, ActionOf | MethodOf)
+            is_call |= isinstance(symbol, Pou) and symbol.kind != "FUNCTION_BLOCK"
             if isinstance(expr.callee, s.Member):
                 expr.callee = self.expr(expr.callee)
-                is_call = isinstance(expr.callee.symbol, ActionOf) or isinstance(expr.callee.type, t.Block)
+                is_call = isinstance(expr.callee.symbol, ActionOf | MethodOf) or isinstance(expr.callee.type, t.Block)
                 if is_call:
                     node.expr = self._call_symbol(expr, expr.callee.symbol, False)
                     return
@@ -85,7 +93,7 @@ class Statements(Calls):
                     hint = f"write := to assign: {self.text(expr.left)} := {self.text(expr.right)};"
                 self.error("E0502", node, hint=hint, text=self.text(expr))
             return
-        node.expr = self.expr(expr)
+        node.expr = self.call(expr)
 
     def if_(self, node: s.If) -> None:
         checked = []
@@ -190,8 +198,10 @@ class Statements(Calls):
     # ---------------------------------------------------------------------------------------------- POUs
 
     def check_pou(self) -> None:
-        """The body and the actions of the POU."""
+        """The body and the actions of the POU; of a block also that it has the methods that it has to have."""
         pou = self.pou
+        if pou.base is not None or pou.interfaces or pou.methods:
+            self.check_members()
         bodies = [pou.tree.body, *(a.body for a in pou.actions.values())]
         for body in bodies:
             self.body(body)

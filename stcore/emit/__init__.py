@@ -7,6 +7,8 @@ from pathlib import Path
 from stcore import syntax as s
 from stcore.check.initial import check_init
 from stcore.declare import align
+from stcore.emit.calls import abstract
+from stcore.emit.dispatch import Dispatch
 from stcore.emit.function import FunctionEmitter
 from stcore.emit.image import ImageBuilder, Late, encode_text
 from stcore.emit.inline import Inlinable
@@ -52,6 +54,7 @@ class ModuleEmitter:
         self.needed: dict[str, tuple[Pou, s.Action | None]] = {}
         self.queue: list[tuple[str, Pou, s.Action | None, int | None]] = []
         self.late_codes: dict[tuple[s.Node, int], str] = {}  # initial value and offset -> function
+        self.dispatch = Dispatch([*project.reached], self.need)
         self.copies: set[str] = set()  # of programs, for instances after the first
         self.texts: dict[tuple[str, bool], int] = {}
         self.templates: dict[object, int] = {}
@@ -147,6 +150,9 @@ class ModuleEmitter:
             self.need(pou)
             for action in pou.actions.values():
                 self.need_action(pou, action)
+            for method in pou.methods.values():
+                if not abstract(method):
+                    self.need(method)
         start = self._initialisation()
         self._drain()
         limit = self.image_end = align(self.constants_at + len(self.constants), 16)
@@ -168,6 +174,7 @@ class ModuleEmitter:
             scan,
             start,
             *self.functions,
+            *self.dispatch.functions.values(),
             *(f'(export "{symbol[1:]}" (func {symbol}))' for symbol in self.needed),
             ")",
         ]
@@ -176,7 +183,7 @@ class ModuleEmitter:
     def routines(self) -> dict[str, Routine]:
         """Every POU of the module by upper-case name, but for the instances of generic functions."""
         found: dict[str, Routine] = {}
-        pous = {pou: None for pou, _ in self.needed.values() if not pou.bindings}
+        pous = {pou: None for pou, _ in self.needed.values() if not pou.bindings and pou.holder is None}
         for pou in sorted(pous, key=lambda p: p.library):
             routine = Routine(
                 pou.name, pou.kind, pou.symbol[1:], library=pou.library, file=pou.source.path,
@@ -271,7 +278,7 @@ class ModuleEmitter:
             self.functions.append(emitter.code(body, name))
             if self.probes:
                 hook = "call_after_scan" in pou.attributes
-                self.bodies[emitter.number] = Body(pou.name, pou.type, address, emitter.seen, pou.library, hook)
+                self.bodies[emitter.number] = Body(pou.full_name, pou.type, address, emitter.seen, pou.library, hook)
 
     def _initialisation(self) -> str:
         """$init: the initial values that are not constants, each in the names of its own instance."""

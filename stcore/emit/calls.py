@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from stcore import syntax as s
 from stcore import types as t
 from stcore.check.calls import BlockCall, FunctionCall
+from stcore.check.methods import MethodCall, is_borrowed
 from stcore.emit import values
+from stcore.emit.dispatch import signature
 from stcore.emit.expressions import Expressions
 from stcore.emit.values import address, constant, load, store, wasm_type
 from stcore.program import HOST_FAILED
@@ -19,6 +23,11 @@ def scalar_outputs(pou: Pou) -> list[Var]:
 
 def aggregate_outputs(pou: Pou) -> list[Var]:
     return [p for p in pou.parameters if p.section == "VAR_OUTPUT" and t.is_aggregate(p.type)]
+
+
+def abstract(pou: Pou) -> bool:
+    """True for a method without code of its own."""
+    return pou.holder.kind == "INTERFACE" or "ABSTRACT" in pou.tree.modifiers
 
 
 class Calls(Expressions):
@@ -37,6 +46,43 @@ class Calls(Expressions):
     def function_call(self, node: s.Call, call: FunctionCall) -> str:
         """The result of a function; its outputs are stored on the way."""
         pou = call.pou
+        return self._called(node, call, lambda args: self.inline_function(pou, args) or self._plain_call(pou, args))
+
+    def method_call(self, node: s.Call, call: MethodCall) -> str:
+        """The result of a method. A fault in it tells the call by the name that it has here."""
+        base, offset = self._instance_of(call)
+        here = self.here
+        site = self.module.site(self.source, node, self.pou.full_name, "", call.note, self.within)
+
+        def emit(args: list[str]) -> str:
+            pou = call.pou
+            if call.bound or all(x is pou for x in self.module.dispatch.of_method(pou).values()) and not abstract(pou):
+                self.here = site
+                text = self.inline_function(pou, args, (base, offset))
+                self.here = here
+                if text is not None:
+                    return text
+                self.module.need(pou)
+                name = pou.symbol
+            else:
+                name = self.module.dispatch.method(pou, lambda: self.marker(node, "F0109", pou.holder.name))
+            results = "".join(f" (result {r})" for r in signature(pou)[1])
+            given = " ".join([address(base, offset), *args])
+            return f"(block{results} {given} (drop (i32.const {site})) (call {name}))"
+
+        return self._called(node, call, emit)
+
+    def _instance_of(self, call: MethodCall) -> tuple[str, int]:
+        """Where the instance of a method call is."""
+        if call.base is None:
+            return self.this_place()
+        if isinstance(call.base.type, t.Interface):
+            return self.deref_check(call.base), 0
+        return self.place(call.base)
+
+    def _called(self, node: s.Call, call: FunctionCall, emit: Callable[[list[str]], str]) -> str:
+        """A call with its arguments, and what becomes of its result and outputs."""
+        pou = call.pou
         args = [self._argument(p, v) + self._open_bounds(p, v) for p, v in call.values]
         outputs = dict((p, v) for p, v in call.outputs)
         args += [self._aggregate_output(p, outputs.get(p)) for p in aggregate_outputs(pou)]
@@ -45,7 +91,7 @@ class Calls(Expressions):
         if result is not None and t.is_aggregate(result):
             where = address("(local.get $fp)", self.frame(result.size, result.align))
             args.append(where)
-        text = self.inline_function(pou, args) or self._plain_call(pou, args)
+        text = emit(args)
         returned = "" if result is None else wasm_type(result)
         if pou.external:
             text = self._external(node, text, returned)
@@ -152,6 +198,9 @@ class Calls(Expressions):
         self.mark(node, note=self.source.text[node.callee.start : node.callee.end])
         if call.pou.kind == "PROGRAM":
             self.line(f"(call {self.module.need_instance(call.pou, None, offset)})")
+        elif self._decides(call):
+            name = self.module.dispatch.body(call.pou, lambda: self.marker(node, "F0109", call.pou.name))
+            self.line(f"(call {name} {address(base, offset)})")
         elif not self.inline_block(call.pou, base, offset, places):
             self.module.need(call.pou)
             self.line(f"(call {call.pou.symbol} {address(base, offset)})")
@@ -160,6 +209,12 @@ class Calls(Expressions):
         if call.en is not None:
             eno = self._eno(call.eno)
             self.line(f"{eno[0]}) (else {eno[1]}))")
+
+    def _decides(self, call: BlockCall) -> bool:
+        """Whether the instance may be of a block that extends the one known here, whose body is to run then."""
+        if not call.pou.type.number or not is_borrowed(call.instance):
+            return False
+        return len(self.module.dispatch.of_body(call.pou)) > 1
 
     def _instance(self, call: BlockCall) -> tuple[str, int]:
         """Where the instance is, worked out once."""

@@ -6,6 +6,7 @@ from stcore import syntax as s
 from stcore import types as t
 from stcore.check.calls import FunctionCall
 from stcore.check.conversions import common, kind_of
+from stcore.check.methods import MethodCall
 from stcore.check.width import wide
 from stcore.emit import builtins, values
 from stcore.emit.places import Places
@@ -47,7 +48,7 @@ class Expressions(Places):
             local = self.local_of(symbol)
             if local is not None:
                 return f"(local.get {local})"
-        if symbol == "this":
+        if symbol in ("this", "super"):
             return self.this_address()
         base, offset = self.place(node)
         if t.is_aggregate(node.type):
@@ -246,6 +247,8 @@ class Expressions(Places):
         symbol = node.symbol
         if isinstance(symbol, BuiltinCall):
             return builtins.EMIT[symbol.name](self, node, symbol)
+        if isinstance(symbol, MethodCall):
+            return self.method_call(node, symbol)
         if isinstance(symbol, FunctionCall):
             return self.function_call(node, symbol)
         raise TypeError(f"no value: {node!r}")

@@ -105,7 +105,7 @@ class FunctionEmitter(Inlining):
 
     def marker(self, node: s.Node, code: str = "", note: str = "") -> str:
         """A constant that is dropped: no instruction in the end, but a fault behind it finds its place by it."""
-        number = self.module.site(self.source, node, self.pou.name, code, note, self.within)
+        number = self.module.site(self.source, node, self.pou.full_name, code, note, self.within)
         return f"(drop (i32.const {number}))"
 
     def mark(self, node: s.Node, note: str = "") -> None:
@@ -132,10 +132,10 @@ class FunctionEmitter(Inlining):
             self.module.bodies.append(None)  # filled in when its frame is known
         params: list[str] = []
         results: list[str] = []
-        if pou.kind == "FUNCTION":
+        if pou.is_called:
             params, results = self._parameters()
-        elif self.static_base is None:
-            params = ["(param $this i32)"]
+        if pou.type is not None and self.static_base is None:
+            params.insert(0, "(param $this i32)")
         self._own_variables()
         self._in_outs()
         prologue, self.lines = self.lines, []
@@ -210,6 +210,8 @@ class FunctionEmitter(Inlining):
                 self.frame_of[p] = offset = self.frame(p.type.size, p.type.align)
                 self.seen.append((p.name, p.type, offset, False))
                 self.line(self.copy_bytes(p.type, address("(local.get $fp)", offset), f"(local.get {name})"))
+                if getattr(p.type, "number", 0):
+                    self.line(store(t.UDINT, "(local.get $fp)", offset, f"(i32.const {p.type.number})"))
         elif p.addressed or self.probed:
             self.frame_of[p] = offset = self.frame(p.type.size, p.type.align)
             self.seen.append((p.name, p.type, offset, False))
@@ -239,7 +241,7 @@ class FunctionEmitter(Inlining):
 
     def _own_variables(self) -> None:
         """VAR of a function, VAR_TEMP: fresh at every call."""
-        taken = set(self.pou.parameters) if self.pou.kind == "FUNCTION" else set()
+        taken = set(self.pou.parameters) if self.pou.is_called else set()
         for var in self.pou.variables.values():
             if var.storage == "local" and var not in taken and var.owner is self.pou:
                 self._local_variable(var)
@@ -292,7 +294,7 @@ class FunctionEmitter(Inlining):
 
     def _in_outs(self) -> None:
         """The addresses of a block's in-outs, taken once; not connected is a fault at once."""
-        if self.pou.kind == "FUNCTION":
+        if self.pou.is_called:
             return
         for var in self.pou.parameters:
             if var.section != "VAR_IN_OUT" or var in self.in_out_locals:
@@ -309,7 +311,7 @@ class FunctionEmitter(Inlining):
 
     def _results(self) -> list[str]:
         pou = self.pou
-        if pou.kind != "FUNCTION":
+        if not pou.is_called:
             return []
         returned = [pou.result] if pou.result is not None and not t.is_aggregate(pou.result.type) else []
         lines = []

@@ -101,6 +101,8 @@ class ImageBuilder:
             if any(data) or not getattr(kind, "union", False):
                 image[field.offset : field.offset + len(data)] = data
             late += [_moved(x, field.offset) for x in inner]
+        if getattr(kind, "number", 0):
+            image[:4] = struct.pack("<I", kind.number)
         return bytes(image), late
 
     def of_field(self, field: t.Field) -> tuple[bytes, list[Late]]:

@@ -57,9 +57,17 @@ class Inlining(Statements):
         self.lines += self._code(inner)
         return True
 
-    def inline_function(self, pou: Pou, args: list[str]) -> str | None:
-        """A function's code with these arguments, as an expression; None: it has to be called."""
+    def inline_function(self, pou: Pou, args: list[str], this: tuple[str, int] | None = None) -> str | None:
+        """The code of a function, or of a method for the instance at `this`, with these arguments, as an expression;
+        None: it has to be called."""
         inner = self._inner(pou)
+        first = []
+        if inner is not None and this is not None:
+            base, offset = this
+            if base not in ("", "(local.get $this)", "(local.get $fp)"):
+                name = self.keep("i32")
+                first, base = [f"(local.set {name} {base})"], f"(local.get {name})"
+            inner.this = (base, offset)
         signature = inner and self._emit(inner)
         if signature is None:
             return None
@@ -67,13 +75,13 @@ class Inlining(Statements):
         self.declared += [p.replace("(param", "(local", 1) for p in params]
         given = [f"(local.set {p.split()[1]} {a})" for p, a in zip(params, args, strict=True)]
         result = "".join(f" (result {r})" for r in results)
-        return "\n".join([f"(block{result}", *given, *self._code(inner), *inner._results(), ")"])
+        return "\n".join([f"(block{result}", *first, *given, *self._code(inner), *inner._results(), ")"])
 
     def _emit(self, inner) -> tuple[list[str], list[str]] | None:
         """Let it emit its body. The parameters and results of a function; None: the body has to be called."""
         pou = inner.pou
         try:
-            signature = inner._parameters() if pou.kind == "FUNCTION" else ([], [])
+            signature = inner._parameters() if pou.is_called else ([], [])
             inner._own_variables()
             inner._in_outs()
             inner.body(pou.tree.body)

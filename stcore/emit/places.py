@@ -19,13 +19,13 @@ class Places:
                 if isinstance(node.symbol, Pou):
                     own = node.symbol is self.pou and self.static_base is not None  # one of several instances
                     return "", self.static_base if own else node.symbol.address
-                return self.var_place(node.symbol)
+                return self.var_place(node.symbol, node)
             case s.Member():
                 return self._member(node)
             case s.Index():
                 return self._index(node)
             case s.Deref():
-                if node.base.symbol == "this":
+                if node.base.symbol in ("this", "super"):
                     return self.this_place()
                 return self.deref_check(node.base), 0
             case s.Part():
@@ -59,8 +59,8 @@ class Places:
     def this_address(self) -> str:
         return address(*self.this_place())
 
-    def var_place(self, var: Var) -> tuple[str, int]:
-        """A variable in memory."""
+    def var_place(self, var: Var, node: s.Node | None = None) -> tuple[str, int]:
+        """A variable in memory. node: where it is used."""
         if var.storage == "global":
             base, offset = "", var.address
         elif var.storage == "area":
@@ -74,6 +74,9 @@ class Places:
             base, offset = FRAME, self.frame_of[var]
         if var.indirect:
             pointer = self.in_out_locals.get(var)
+            if pointer is None and node is not None and self.pou.holder is not None:
+                # a method may be called before the block ever was
+                return self.checked_address(load(t.DWORD, base, offset), node), 0
             return (f"(local.get {pointer})" if pointer else load(t.DWORD, base, offset)), 0
         return base, offset
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from stcore import syntax as s
 from stcore import types as t
 from stcore.check.calls import BlockCall, FunctionCall
+from stcore.check.methods import MethodCall
 from stcore.check.width import held
 from stcore.scope import ActionOf, BuiltinCall, Convert, Var
 
@@ -63,6 +64,8 @@ def walk(node: object):
         if isinstance(symbol, BuiltinCall):
             yield from walk(symbol.args)
             return
+        if isinstance(symbol, MethodCall):
+            yield from walk(symbol.base)
         if isinstance(symbol, FunctionCall):
             yield from walk([v for _, v in symbol.values])
             yield from walk([v for _, v in symbol.outputs])
@@ -102,5 +105,5 @@ def _may_write(call: object, var: Var) -> bool:
     if isinstance(call, FunctionCall | BlockCall):
         if any(getattr(place, "symbol", None) is var for _, place in call.outputs):
             return True
-        return var.storage != "local" and not call.pou.library
+        return var.storage != "local" and not (call.pou.library and call.pou.holder is None)
     return isinstance(call, ActionOf) and var.storage != "local"

@@ -36,7 +36,7 @@ class Statements(Calls):
 
     def _probe(self, node: s.Node) -> None:
         """Here a probed build can stop."""
-        site = self.module.site(self.source, node, self.pou.name, "", "")
+        site = self.module.site(self.source, node, self.pou.full_name, "", "")
         self.module.probed[site] = self.number
         self.sites[node] = site
         this = self.this_address() if self.pou.type is not None else "(i32.const 0)"
@@ -118,8 +118,12 @@ class Statements(Calls):
         return f"({wasm}.or ({wasm}.and {whole} {keep}) ({wasm}.shl {value} {number(shift, wasm)}))"
 
     def copy_text(self, kind: t.Type, to: str, value: s.Node) -> str:
-        """Copy an aggregate value to an address."""
-        return self.copy_bytes(kind, to, self.value(value))
+        """Copy an aggregate value to an address. What an instance begins with stays: it tells whose it is."""
+        text = self.value(value)
+        if getattr(kind, "number", 0):
+            room = f"(i32.const {kind.size - 4})"
+            return f"(memory.copy (i32.add {to} (i32.const 4)) (i32.add {text} (i32.const 4)) {room})"
+        return self.copy_bytes(kind, to, text)
 
     def copy_bytes(self, kind: t.Type, to: str, source: str) -> str:
         if isinstance(kind, t.String):

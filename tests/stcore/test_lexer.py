@@ -110,7 +110,6 @@ def test_attributes_are_kept_by_offset():
         ("a {open", "E0108"),
         ("{ELSE}", "E0118"),
         ("{IF defined(x)}", "E0118"),
-        ("METHOD m : INT x := 1; END_METHOD", "E0114"),
         ("‘a’", "W0101"),
         ("f(’test.cfg);", "W0111"),
         ("a；", "W0112"),

@@ -76,7 +76,10 @@ def test_messages(body, place, message, hint):
         ("PROGRAM p\nVAR a.b : INT; END_VAR\nEND_PROGRAM", 2, "a.b is not a name that can be declared"),
         ("PROGRAM p\nVAR a : ARRAY[5] OF INT; END_VAR\nEND_PROGRAM", 2, "an array needs a lowest and a highest index"),
         ("ACTION a: x := 1; END_ACTION", 1, "the ACTION a belongs to no program"),
-        ("INTERFACE i\nMETHOD m : INT END_METHOD\nEND_INTERFACE", 1, "INTERFACE is not supported yet"),
+        ("METHOD m : INT\nm := 1;\nEND_METHOD", 1, "the METHOD m belongs to no program"),
+        ("PROPERTY p : INT\nGET END_GET\nSET END_SET\nEND_PROPERTY", 1, "the PROPERTY p belongs to no program"),
+        ("INTERFACE i\nMETHOD m : INT\nm := 1;\nEND_METHOD\nEND_INTERFACE", 3, "a method of the INTERFACE i has no"),
+        ("FUNCTION_BLOCK f\nPROPERTY p : INT\nEND_PROPERTY\nEND_FUNCTION_BLOCK", 2, "GET or SET is missing"),
     ],
 )
 def test_messages_of_declarations(text, line, message):
