@@ -211,6 +211,8 @@ class Calls(Expressions):
             kind = bindings.get(name)
             if key(any_type) == "ANY_POINTER" and _is_address(kind):
                 kind = bindings[name] = t.Pointer(t.BYTE)
+            elif key(any_type) == "ANY_POINTER" and isinstance(kind, t.Pointer) and isinstance(kind.target, t.Array):
+                kind = bindings[name] = t.Pointer(kind.target.element)
             if kind is None or not _is_any(kind, key(any_type)):
                 parts = isinstance(kind, t.Array | t.Struct)
                 hint = f"name its {'elements' if isinstance(kind, t.Array) else 'members'} one by one" if parts else ""

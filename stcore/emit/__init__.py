@@ -163,6 +163,7 @@ class ModuleEmitter:
         self.stack_top = limit
         parts += [
             f"(global $span i32 (i32.const {limit - NULL_PAGE}))",
+            f"(global $behind i32 (i32.const {self.constants_at}))",
             f"(global $stack i32 (i32.const {self.image_end + SIDE_SIZE}))",
             f"(global (export \"stack_top\") i32 (i32.const {limit}))",
             scan,
