@@ -369,6 +369,23 @@ def test_a_gear_takes_changed_inputs(bench):
     assert bench["ax.fSetVelocity"] == pytest.approx(800.0)
 
 
+def test_a_gear_takes_another_source_of_the_masters_values(bench):
+    """The motor of the master runs 100 ms behind: it still has half of the velocity or less."""
+    bench.plc["SIM.Axis[2].drive.lag"] = 100.0
+    bench.start("gear", 2, ContinuousUpdate=True, **GEAR)
+    bench.start("run", 40, Velocity=200.0, Acceleration=20000.0)
+    assert bench["gear.InGear"] and bench["ax.fSetVelocity"] == 200.0
+    bench["gear.MasterValueSource"] = 1  # the motor, slower by about 200 * exp(-0.035 / 0.1)
+    bench.scan(2)
+    assert not bench["gear.InGear"]
+    bench.until("gear.InGear")
+    assert bench["ax.fSetVelocity"] == pytest.approx(bench["master.fActVelocity"]) and bench["ax.fSetVelocity"] < 150.0
+    bench["gear.ContinuousUpdate"] = False
+    bench["gear.MasterValueSource"] = 0
+    bench.scan(20)
+    assert bench["ax.fSetVelocity"] == pytest.approx(bench["master.fActVelocity"]) and bench["gear.InGear"]
+
+
 def test_combined_axes_take_changed_ratios(bench):
     bench["ax.fSWMaxAcceleration"] = bench["ax.fSWMaxDeceleration"] = 5000.0
     bench.start("run", Velocity=300.0)
