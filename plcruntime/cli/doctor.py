@@ -17,7 +17,7 @@ PYTHON = (3, 11)
 # package -> what it is for
 NEEDED = {
     "lark": "the parser", "wasmtime": "runs programs", "numpy": "traces", "matplotlib": "--plot",
-    "rich": "explain, axes live", "prompt_toolkit": "the prompt", "pytest": "tests in Python",
+    "rich": "tables", "prompt_toolkit": "the prompt", "pytest": "tests in Python",
 }  # fmt: skip
 # package -> the extra of the distribution that brings it, and what it is for
 EXTRAS = {"plotly": ("report", "--report"), "selenium": ("test", "browser tests"), "ruff": ("lint", "make lint")}
@@ -45,7 +45,10 @@ def execute(arguments: argparse.Namespace) -> int:
     folder, problem = _cache()
     rows.append(("cache", problem or f"writable, {_size(folder)}", str(folder)))
     rows.append(("program", *_trial(problems)))
-    output.print_table(("what", "state", "about"), rows)
+    if _version("rich"):
+        output.print_table(("what", "state", "about"), rows)
+    else:
+        print("\n".join("  ".join(row) for row in rows))
     if problem:
         print(
             f"scancycle: the cache can't be used ({problem}), so every start compiles anew; SCANCYCLE_CACHE names "

@@ -7,7 +7,7 @@ import re
 import sys
 from pathlib import Path
 
-from plcruntime.cli import DONE
+from plcruntime.cli import DONE, output
 from plcruntime.errors import UsageError
 
 
@@ -36,7 +36,6 @@ def _show(markdown: str) -> None:
     if not sys.stdout.isatty():
         print(markdown)
         return
-    from rich.console import Console
     from rich.markdown import Markdown
 
-    Console(highlight=False).print(Markdown(markdown))
+    output.console(sys.stdout).print(Markdown(markdown))

@@ -15,77 +15,35 @@ from stcore.diagnostics import Diagnostic, text
 _INFINITE = "\x00infinite\x00"
 
 
-PIPE = 160  # characters in a line of a table, where no terminal says
-_GAP = "   "
+def print_table(
+    columns: Sequence[str], rows: Iterable[Sequence[str]], *, title: str = "", right: Sequence[int] = ()
+) -> None:
+    """A table on the standard output, coloured on a terminal only. right: columns that are flush right."""
+    from rich import box
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, title=title or None, title_justify="left", pad_edge=False)
+    for i, name in enumerate(columns):
+        table.add_column(name, justify="right" if i in right else "left", overflow="fold")
+    for row in rows:
+        table.add_row(*(_plain(cell) for cell in row))
+    console(sys.stdout).print(table)
 
 
-def print_table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """A table on the standard output, its head bold on a terminal. A cell that is too wide goes on in the next line.
+def console(stream):
+    """A rich console that leaves our text as it is. Lines for a file or a pipe are not broken at 80 characters."""
+    from rich.console import Console
 
-    rich, which could do it, takes longer to load than a whole run."""
-    rows = [tuple(columns), *map(tuple, rows)]
-    widths = [max(_width(row[i]) for row in rows) for i in range(len(columns))]
-    room = _room() - 2  # a blank at both sides
-    while sum(widths) + len(_GAP) * (len(widths) - 1) > room and max(widths) > 1:
-        widths[widths.index(max(widths))] -= 1
-    lines = [line for row in rows for line in _lines(row, widths)]
-    heads = len(_lines(rows[0], widths))
-    if sys.stdout.isatty():
-        lines[:heads] = [f"\x1b[1m{line}\x1b[0m" for line in lines[:heads]]
-    rule = " " + "─" * (sum(widths) + len(_GAP) * (len(widths) - 1))
-    print("\n".join(["", *lines[:heads], rule, *lines[heads:], ""]))
+    made = Console(file=stream, highlight=False, soft_wrap=False)
+    if not made.is_terminal and "COLUMNS" not in os.environ:
+        made.width = 160
+    return made
 
 
-def _room() -> int:
-    """The characters in a line: what COLUMNS or the terminal says."""
-    named = os.environ.get("COLUMNS", "")
-    if named.isdigit() and int(named):
-        return int(named)
-    try:
-        return os.get_terminal_size(sys.stdout.fileno()).columns or PIPE
-    except (OSError, ValueError):  # no terminal
-        return PIPE
+def _plain(cell: str):
+    from rich.text import Text
 
-
-def _lines(row: Sequence[str], widths: list[int]) -> list[str]:
-    """The lines of a row."""
-    cells = [_folded(cell, width) for cell, width in zip(row, widths, strict=True)]
-    lines = []
-    for i in range(max(map(len, cells))):
-        parts = [cell[i] if i < len(cell) else "" for cell in cells]
-        filled = [part + " " * (width - _width(part)) for part, width in zip(parts, widths, strict=True)]
-        lines.append(f" {_GAP.join(filled)}".rstrip())
-    return lines
-
-
-def _folded(cell: str, width: int) -> list[str]:
-    """A cell in pieces that are no wider, cut at a blank where there is one."""
-    pieces = []
-    while _width(cell) > width:
-        end = _fitting(cell, width)
-        blank = cell.rfind(" ", 1, end + 1)
-        pieces.append(cell[: blank if blank > 0 else end])
-        cell = cell[len(pieces[-1]) :].lstrip(" ")
-    return [*pieces, cell]
-
-
-def _fitting(text: str, width: int) -> int:
-    """How many of its characters take no more cells; at least one."""
-    taken = 0
-    for i, c in enumerate(text):
-        taken += _width(c)
-        if taken > width:
-            return max(i, 1)
-    return len(text)
-
-
-def _width(text: str) -> int:
-    """How many cells of a terminal a text takes: two for a Chinese character."""
-    if text.isascii():
-        return len(text)
-    from unicodedata import combining, east_asian_width
-
-    return sum(0 if combining(c) else 2 if east_asian_width(c) in "WF" else 1 for c in text)
+    return Text(cell)
 
 
 def print_diagnostics(diagnostics: Sequence[Diagnostic]) -> None:

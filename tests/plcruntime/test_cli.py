@@ -115,27 +115,6 @@ def test_text(capsys, file):
     assert "10 scans of 1 ms: 0.01 s of virtual time" in out and "\x1b" not in out
 
 
-def test_a_table_in_a_narrow_window(capsys, monkeypatch):
-    """Cells fold at a blank, else anywhere; a Chinese character takes two places."""
-    monkeypatch.setenv("COLUMNS", "26")
-    output.print_table(("name", "value"), [("名字", "one two three four"), ("b", "0123456789012345"), ("abcdefg", "")])
-    assert capsys.readouterr().out.split("\n") == [
-        "",
-        " name      value",
-        " ────────────────────────",
-        " 名字      one two three",
-        "           four",
-        " b         01234567890123",
-        "           45",
-        " abcdefg",
-        "",
-        "",
-    ]
-    monkeypatch.setenv("COLUMNS", "3")  # nothing fits: one character a line
-    output.print_table(("a", "b"), [("字", "xy")])
-    assert capsys.readouterr().out.splitlines()[3:] == [" 字   x", "     y", ""]
-
-
 def test_trace_files(capsys, file, tmp_path):
     code, out, _ = run(
         capsys, "run", file, "--scans", 4, "--set", "on=TRUE@#2", "--watch", "r,on", "--trace", tmp_path / "t.csv"
