@@ -10,8 +10,7 @@ import functools
 import json
 import os
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from stcore import cache
@@ -26,14 +25,6 @@ _ENUM = re.compile(r":\s*(?:\w+\s*)?\(([^()]*)\)", re.S)
 _GLOBALS = re.compile(r"\bVAR_GLOBAL\b(.*?)\bEND_VAR\b", re.S | re.I)
 _GLOBAL_NAMES = re.compile(r"(?:^|;)\s*(?:CONSTANT\b|RETAIN\b|PERSISTENT\b|\s)*([\w\s,]+?)(?:\bAT\b[^:]*)?:(?!=)", re.I)
 _QUALIFIED = re.compile(r"\{\s*attribute\s+'qualified_only'", re.I)
-
-
-@dataclass(slots=True)
-class Entry:
-    """A name and the file that defines it."""
-
-    path: Path
-    library: bool
 
 
 def names_of(text: str) -> set[str]:
@@ -54,11 +45,14 @@ def names_of(text: str) -> set[str]:
     return {n for n in names if n}
 
 
-def index(folder: Path, *, recursive: bool, library: bool) -> dict[str, Entry]:
-    """Upper-case name -> the file of `folder` that defines it; its own name counts as defined. Not to be changed."""
-    files = list(_files(str(folder), recursive))
-    files.sort(key=lambda f: f[0].split(os.sep))
-    return _entries(tuple(files), library)
+def index(folders: Iterable[Path], *, recursive: bool) -> dict[str, str]:
+    """Upper-case name -> path of the file that defines it, in the first of the folders that does; the name of a file
+    counts as defined in it."""
+    found: dict[str, str] = {}
+    for folder in folders:
+        for name, path in _defined(tuple(sorted(_files(str(folder), recursive)))).items():
+            found.setdefault(name, path)
+    return found
 
 
 def _files(folder: str, recursive: bool) -> Iterator[tuple[str, int, int]]:
@@ -76,27 +70,25 @@ def _files(folder: str, recursive: bool) -> Iterator[tuple[str, int, int]]:
 
 
 @functools.lru_cache(maxsize=16)
-def _entries(files: tuple[tuple[str, int, int], ...], library: bool) -> dict[str, Entry]:
-    stamp = cache.digest(json.dumps(files).encode())
+def _defined(files: tuple[tuple[str, int, int], ...]) -> dict[str, str]:
+    stamp = cache.digest(cache.fingerprint([Path(__file__)]), repr(files).encode())
     cached = cache.load("index", stamp)
-    if cached is None:
-        table = {path: sorted(names_of(read(Path(path)).text)) for path, *_ in files}
-        cached = json.dumps(table).encode()
-        cache.store("index", stamp, cached)
-    entries: dict[str, Entry] = {}
-    for path, names in json.loads(cached).items():
-        file = Path(path)
-        own = file.stem.upper()
-        for name in {own, *names}:
+    if cached is not None:
+        return json.loads(cached)
+    defined: dict[str, str] = {}
+    for path, *_ in sorted(files, key=lambda file: file[0].split(os.sep)):
+        own = Path(path).stem.upper()
+        for name in sorted({own, *names_of(read(Path(path)).text)}):
             # a file named after the thing wins over one that merely mentions it in a list
-            if name not in entries:
-                entries[name] = Entry(file, library)
+            if name not in defined:
+                defined[name] = path
             elif name == own:
-                entries[listed(name)] = entries[name]
-                entries[name] = Entry(file, library)
-            elif name == entries[name].path.stem.upper():
-                entries[listed(name)] = Entry(file, library)
-    return entries
+                defined[listed(name)] = defined[name]
+                defined[name] = path
+            elif name == Path(defined[name]).stem.upper():
+                defined[listed(name)] = path
+    cache.store("index", stamp, json.dumps(defined).encode())
+    return defined
 
 
 def listed(name: str) -> str:
