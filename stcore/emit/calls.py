@@ -71,7 +71,8 @@ class Calls(Expressions):
 
     def _external(self, node: s.Call, text: str, returned: str) -> str:
         """A call of the host; when that fails, the fault is here."""
-        failed = f"(if (i32.load (i32.const {HOST_FAILED})) (then {self.marker(node, 'F0106')} (call $fault)))"
+        fault = f"{self.marker(node, 'F0106')} (call $fault) unreachable"
+        failed = f"(if (i32.load (i32.const {HOST_FAILED})) (then {fault}))"
         if not returned:
             return f"(block {text} {failed})"
         temp = self.temp(returned)

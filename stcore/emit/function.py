@@ -50,7 +50,8 @@ class FunctionEmitter(Inlining):
         self.loops: list[tuple[str, str]] = []
         self.jumps: list[tuple[str, str, dict[str, int]]] = []  # lists of statements with labels, innermost last
         self.ranges: dict[Var, tuple[int, int]] = {}
-        self.shadows: dict[Var, str] = {}
+        self.shadows: dict[Var, str] = {}  # counters of FOR loops, where nothing else changes the variable
+        self.copies: dict[Var, str] = {}  # locals with the values of variables in memory, in a loop
         self.rounds = 1
         self.probed = False
         self.number = -1  # of the body, in a probed build
@@ -115,6 +116,8 @@ class FunctionEmitter(Inlining):
     def local_of(self, var: Var) -> str | None:
         """The WebAssembly local that holds a variable's value here, None if it is in memory."""
         shadow = self.shadows.get(var)
+        if shadow is None:
+            shadow = self.copies.get(var)
         if shadow is not None:
             return shadow
         if var.storage == "local" and not var.indirect:
@@ -153,7 +156,7 @@ class FunctionEmitter(Inlining):
             parts[1] += " (local $fp i32)"
             parts.append(
                 f"(if (i32.lt_u (local.tee $fp (i32.sub (global.get $sp) (i32.const {size}))) (global.get $stack))"
-                f" (then {site} (call $fault)))\n(global.set $sp (local.get $fp))"
+                f" (then {site} (call $fault) unreachable))\n(global.set $sp (local.get $fp))"
             )
         parts += prologue
         if self.probed:

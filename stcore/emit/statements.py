@@ -6,14 +6,16 @@ from stcore import syntax as s
 from stcore import types as t
 from stcore.check.width import held, wide
 from stcore.emit.calls import Calls
+from stcore.emit.changes import changes, worth_keeping
 from stcore.emit.counting import Counting
-from stcore.emit.ranges import Range, range_of, steady
+from stcore.emit.ranges import Range, range_of
 from stcore.emit.values import constant, convert, load, number, store, wasm_type, wrap
 from stcore.program import INTERRUPT, Branch
 from stcore.scope import Var, key
 
 # A loop that is known to end after so many rounds need not ask whether the host wants it to stop.
 QUICK = 100_000
+SHORT = 128  # bytes that are copied by loads and stores
 # The ways of a loop that coverage counts: of FOR and WHILE once each time the loop is come to, of REPEAT each UNTIL
 ENTERED, NOT_ENTERED = "body", "no round"
 AGAIN, DONE = "another round", "done"
@@ -82,8 +84,10 @@ class Statements(Calls):
         symbol = place.symbol
         if isinstance(symbol, Var):
             local = self.local_of(symbol)
-            if local is not None:
+            if local is not None and symbol not in self.copies:
                 return f"(local.set {local} {value})"
+            if local is not None:
+                value = f"(local.tee {local} {value})"
         base, offset = self.place(place)
         if isinstance(symbol, Var) and symbol.bit is not None:
             byte = load(t.BYTE, base, offset)
@@ -125,7 +129,20 @@ class Statements(Calls):
         if isinstance(kind, t.String):
             call = "$wstr_copy" if kind.wide else "$str_copy"
             return f"(call {call} {to} {source} (i32.const {kind.length}))"
-        return f"(memory.copy {to} {source} (i32.const {kind.size}))"
+        return self._short_copy(kind.size, to, source) or f"(memory.copy {to} {source} (i32.const {kind.size}))"
+
+    def _short_copy(self, size: int, to: str, source: str) -> str | None:
+        """A structure of a few words through locals; memory.copy is a call of the host."""
+        if size > SHORT:
+            return None
+        goal, start = self.temp("i32"), self.temp("i32")
+        loads, stores = [], []
+        for wasm, suffix, offset in _pieces(size):
+            temp = self.temp(wasm)
+            loads.append(f"(local.set {temp} ({wasm}.load{suffix} offset={offset} (local.get {start})))")
+            store = suffix.partition("_")[0]
+            stores.append(f"({wasm}.store{store} offset={offset} (local.get {goal}) (local.get {temp}))")
+        return " ".join([f"(local.set {goal} {to}) (local.set {start} {source})", *loads, *stores])
 
     # ---------------------------------------------------------------------------------------- selection
 
@@ -199,7 +216,8 @@ class Statements(Calls):
 
     def _ask_interrupt(self, node: s.Node) -> None:
         """The host may end this loop here."""
-        self.line(f"(if (i32.atomic.load (i32.const {INTERRUPT})) (then {self.marker(node, 'F0108')} (call $fault)))")
+        fault = f"{self.marker(node, 'F0108')} (call $fault) unreachable"
+        self.line(f"(if (i32.atomic.load (i32.const {INTERRUPT})) (then {fault}))")
 
     def _loop_body(self, body: list[s.Node], exit_label: str, next_label: str) -> None:
         self.loops.append((exit_label, next_label))
@@ -208,7 +226,19 @@ class Statements(Calls):
         self.line(")")
         self.loops.pop()
 
+    def _keep_copies(self, *code: object) -> dict[Var, str]:
+        """Before a loop: what it changes by name and reads is kept in locals, too. The copies of outside the loop."""
+        outer = self.copies
+        if not self.probed:  # there a debugger may change any variable at any statement
+            found = changes(code, self.pou)
+            new = {v: self.keep(wasm_type(v.type)) for v in worth_keeping(found) if self.local_of(v) is None}
+            for var, name in new.items():
+                self.line(f"(local.set {name} {load(var.type, *self.var_place(var))})")
+            self.copies = outer | new
+        return outer
+
     def while_(self, node: s.While) -> None:
+        outer = self._keep_copies(node.condition, node.body)
         end, top, next_ = self.label("end"), self.label("loop"), self.label("next")
         entered = self.keep("i32") if self.probed else ""
         if entered:
@@ -216,19 +246,21 @@ class Statements(Calls):
         self.line(f"(block {end} (loop {top}")
         self.mark(node)
         self._ask_interrupt(node)
-        self.line(f"(br_if {end} (i32.eqz {self.value(node.condition)}))")
+        self.line(f"(if {self.value(node.condition)} (then")  # as br_if it would have to turn the condition round
         if entered:
             self.line(f"(if (i32.eqz (local.get {entered})) (then (local.set {entered} (i32.const 1))")
             self._branch(node, "LOOP", ENTERED)
             self.line("))")
         self._loop_body(node.body, end, next_)
-        self.line(f"(br {top})))")
+        self.line(f"(br {top})))))")
         if entered:
             self.line(f"(if (i32.eqz (local.get {entered})) (then")
             self._branch(node, "LOOP", NOT_ENTERED)
             self.line("))")
+        self.copies = outer
 
     def repeat(self, node: s.Repeat) -> None:
+        outer = self._keep_copies(node.condition, node.body)
         end, top, next_ = self.label("end"), self.label("loop"), self.label("next")
         self.line(f"(block {end} (loop {top}")
         self.mark(node)
@@ -236,7 +268,8 @@ class Statements(Calls):
         self._loop_body(node.body, end, next_)
         self.mark(node.condition)
         if not self.probed:
-            self.line(f"(br_if {top} (i32.eqz {self.value(node.condition)}))))")
+            self.line(f"(if {self.value(node.condition)} (then) (else (br {top})))))")
+            self.copies = outer
             return
         self.line(f"(if (i32.eqz {self.value(node.condition)}) (then")
         self._branch(node, "LOOP", AGAIN)
@@ -293,9 +326,10 @@ class Statements(Calls):
         var = node.var.symbol if isinstance(node.var, s.Name) and isinstance(node.var.symbol, Var) else None
         rounds = (max(last[1] - first[0], first[1] - last[0]) // abs(step) + 1) if step else QUICK + 1
         end, top, next_ = self.label("end"), self.label("loop"), self.label("next")
+        copies = self._keep_copies(node.body)
         self.line(f"(block {end} (br_if {end} (i32.eqz {counting.inside()}))")
         self.line(f"(loop {top}")
-        trusted = var is not None and step is not None and steady(var, node.body)
+        trusted = var is not None and step is not None and changes(node.body, self.pou).steady(var)
         outer = self.rounds
         self.rounds *= max(rounds, 1)
         if self.rounds > QUICK or not trusted:
@@ -316,6 +350,7 @@ class Statements(Calls):
         self.line(f"(local.set {counter} {counting.next()})")
         self._show(node, counter, wasm)
         self.line(f"(br_if {top} {again})))")
+        self.copies = copies
 
     def _decided(self, test: str) -> str:
         """A local with the result of a test."""
@@ -380,6 +415,17 @@ class Statements(Calls):
         s.Assign: assign, s.ExprStmt: Calls.call_statement, s.If: if_, s.Case: case, s.For: for_, s.While: while_,
         s.Repeat: repeat, s.Exit: exit, s.Continue: continue_, s.Return: return_, s.Label: nothing, s.Jump: jump,
     }  # fmt: skip
+
+
+def _pieces(size: int) -> list[tuple[str, str, int]]:
+    """How so many bytes are taken: type of the value, suffix of its load, offset."""
+    found, at = [], 0
+    widths = (("v128", "", 16), ("i64", "", 8), ("i32", "", 4), ("i32", "16_u", 2), ("i32", "8_u", 1))
+    for wasm, suffix, width in widths:
+        while size - at >= width:
+            found.append((wasm, suffix, at))
+            at += width
+    return found
 
 
 def _fits(last: tuple[int, int], step: int, kind: t.Elementary) -> bool:
