@@ -129,15 +129,15 @@ class Statements(Calls):
         if isinstance(kind, t.String):
             call = "$wstr_copy" if kind.wide else "$str_copy"
             return f"(call {call} {to} {source} (i32.const {kind.length}))"
-        return self._short_copy(kind.size, to, source) or f"(memory.copy {to} {source} (i32.const {kind.size}))"
+        return self._short_copy(kind, to, source) or f"(memory.copy {to} {source} (i32.const {kind.size}))"
 
-    def _short_copy(self, size: int, to: str, source: str) -> str | None:
+    def _short_copy(self, kind: t.Type, to: str, source: str) -> str | None:
         """A structure of a few words through locals; memory.copy is a call of the host."""
-        if size > SHORT:
+        if kind.size > SHORT:
             return None
         goal, start = self.temp("i32"), self.temp("i32")
         loads, stores = [], []
-        for wasm, suffix, offset in _pieces(size):
+        for wasm, suffix, offset in _pieces(kind):
             temp = self.temp(wasm)
             loads.append(f"(local.set {temp} ({wasm}.load{suffix} offset={offset} (local.get {start})))")
             store = suffix.partition("_")[0]
@@ -417,12 +417,14 @@ class Statements(Calls):
     }  # fmt: skip
 
 
-def _pieces(size: int) -> list[tuple[str, str, int]]:
-    """How so many bytes are taken: type of the value, suffix of its load, offset."""
-    found, at = [], 0
+def _pieces(kind: t.Type) -> list[tuple[str, str, int]]:
+    """How the bytes of an aggregate are taken: type of the value, suffix of its load, offset. Members that were written
+    shortly before are best read one by one: a load over two of them waits until both are in memory."""
+    found, at, size = [], 0, kind.size
+    widest = kind.align if kind.align >= 4 and size <= 8 * kind.align else 16
     widths = (("v128", "", 16), ("i64", "", 8), ("i32", "", 4), ("i32", "16_u", 2), ("i32", "8_u", 1))
     for wasm, suffix, width in widths:
-        while size - at >= width:
+        while width <= widest and size - at >= width:
             found.append((wasm, suffix, at))
             at += width
     return found
