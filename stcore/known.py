@@ -91,6 +91,8 @@ class Names:
 
     def _routines(self) -> None:
         for name, routine in self.program.routines.items():
+            if not routine.export:
+                continue
             pou = self._function(routine) if routine.kind == "FUNCTION" else self._code(routine)
             if pou is None:
                 continue

@@ -121,7 +121,8 @@ class Parameter:
 
 @dataclass(slots=True)
 class Routine:
-    """The code of a POU under the name by which the module exports it, for side modules and tests.
+    """The code of a POU under the name by which the module exports it, for side modules and tests; no name where all
+    of it was taken into its callers.
 
     parameters, result: of a FUNCTION; a block has its own in its type. actions: upper-case name -> export.
     """

@@ -176,11 +176,11 @@ class ModuleEmitter:
     def routines(self) -> dict[str, Routine]:
         """Every POU of the module by upper-case name, but for the instances of generic functions."""
         found: dict[str, Routine] = {}
-        pous = {pou: None for pou, _ in self.needed.values() if not pou.bindings}
-        for pou in sorted(pous, key=lambda p: p.library):
+        pous = {pou: None for pou, _ in self.needed.values()} | (self.inlining.taken if self.inlining else {})
+        for pou in sorted((p for p in pous if not p.bindings), key=lambda p: p.library):
             routine = Routine(
-                pou.name, pou.kind, pou.symbol[1:], library=pou.library, file=pou.source.path,
-                line=pou.source.position(pou.tree.name_start)[0], attributes=pou.attributes,
+                pou.name, pou.kind, pou.symbol[1:] if pou.symbol in self.needed else "", library=pou.library,
+                file=pou.source.path, line=pou.source.position(pou.tree.name_start)[0], attributes=pou.attributes,
             )  # fmt: skip
             if pou.kind == "FUNCTION":
                 routine.parameters = [self._parameter(p) for p in pou.parameters]

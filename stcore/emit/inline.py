@@ -23,9 +23,10 @@ class NeedsFrame(Exception):
 
 @dataclass(slots=True)
 class Inlinable:
-    """Which POUs of a module can be taken in. called: those that can't."""
+    """Which POUs of a module can be taken in. called: those that can't. taken: those that were, in order."""
 
     called: set[Pou] = field(default_factory=set)
+    taken: dict[Pou, None] = field(default_factory=dict)
 
     @staticmethod
     def size(pou: Pou) -> int:
@@ -80,8 +81,11 @@ class Inlining(Statements):
         except NeedsFrame:
             self.module.inlining.called.add(pou)
             return None
-        if "hidden" not in pou.attributes:  # what a typed statement can name stays callable from outside
-            self.module.need(pou)
+        if "hidden" not in pou.attributes:
+            self.module.inlining.taken[pou] = None
+            # what a typed statement can name stays callable; of the library's functions it can have a copy of its own
+            if not pou.library or pou.kind != "FUNCTION":
+                self.module.need(pou)
         return signature
 
     def _code(self, inner) -> list[str]:
