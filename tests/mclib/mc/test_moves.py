@@ -166,7 +166,7 @@ def test_a_profile_that_ends_in_motion_needs_a_command(bench):
     bench["calm"] = False
     bench.until("velocities.Done")
     bench.scan(3)
-    assert bench.state == "errorstop" and bench["ax.dwErrorID"] == 805
+    assert bench.state == "errorstop" and bench["ax.dwErrorID"] == 30001
 
 
 def test_a_profile_that_ends_in_motion_may_be_followed(bench):
