@@ -50,7 +50,8 @@ def index(folders: Iterable[Path], *, recursive: bool) -> dict[str, str]:
     counts as defined in it."""
     found: dict[str, str] = {}
     for folder in folders:
-        for name, path in _defined(tuple(sorted(_files(str(folder), recursive)))).items():
+        files = tuple(sorted(_files(str(folder), recursive)))
+        for name, path in _defined(f"{folder} {recursive}", files).items():
             found.setdefault(name, path)
     return found
 
@@ -70,15 +71,35 @@ def _files(folder: str, recursive: bool) -> Iterator[tuple[str, int, int]]:
 
 
 @functools.lru_cache(maxsize=16)
-def _defined(files: tuple[tuple[str, int, int], ...]) -> dict[str, str]:
-    stamp = cache.digest(cache.fingerprint([Path(__file__)]), repr(files).encode())
-    cached = cache.load("index", stamp)
-    if cached is not None:
-        return json.loads(cached)
+def _defined(folder: str, files: tuple[tuple[str, int, int], ...]) -> dict[str, str]:
+    """What the files of a folder define. The cache has it as it was at the last look; only what has changed since is
+    read again."""
+    key = cache.digest(cache.fingerprint([Path(__file__)]), folder.encode("utf-8", "surrogateescape"))
+    stamp = repr(files)
+    before = _kept(key)
+    if before.get("stamp") == stamp:
+        return before["defined"]
+    known = {tuple(file): names for file, names in before.get("names", [])}
+    names = {file: known[file] if file in known else sorted(names_of(read(file[0]).text)) for file in files}
+    defined = _owners({path: names[path, time, size] for path, time, size in files})
+    kept = {"stamp": stamp, "names": list(names.items()), "defined": defined}
+    cache.store("index", key, json.dumps(kept).encode())
+    return defined
+
+
+def _kept(key: str) -> dict:
+    try:
+        return json.loads(cache.load("index", key) or b"{}")
+    except ValueError:  # damaged
+        return {}
+
+
+def _owners(names: dict[str, list[str]]) -> dict[str, str]:
+    """Upper-case name -> path, from the names that each file defines."""
     defined: dict[str, str] = {}
-    for path, *_ in sorted(files, key=lambda file: file[0].split(os.sep)):
+    for path in sorted(names, key=lambda path: path.split(os.sep)):
         own = Path(path).stem.upper()
-        for name in sorted({own, *names_of(read(Path(path)).text)}):
+        for name in sorted({own, *names[path]}):
             # a file named after the thing wins over one that merely mentions it in a list
             if name not in defined:
                 defined[name] = path
@@ -87,7 +108,6 @@ def _defined(files: tuple[tuple[str, int, int], ...]) -> dict[str, str]:
                 defined[name] = path
             elif name == Path(defined[name]).stem.upper():
                 defined[listed(name)] = path
-    cache.store("index", stamp, json.dumps(defined).encode())
     return defined
 
 
