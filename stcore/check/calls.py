@@ -162,8 +162,6 @@ class Calls(Expressions):
                 call.values.append((parameter, self._argument(node, arg, parameter, pou, checked)))
         self.use(pou)
         pou.calls += 1
-        if self.pou is not None and (pou.writes_outside or pou.external or not pou.library):
-            self.pou.writes_outside = True
         node.symbol = call
         node.type = pou.result.type if pou.result is not None else None
         if "real_result" in pou.attributes and node.type is t.LREAL and self._all_real(call):
@@ -340,8 +338,6 @@ class Calls(Expressions):
                 call.inputs.append((parameter, self._argument(node, arg, parameter, pou, checked)))
         self.use(pou)
         pou.calls += 1
-        if self.pou is not None:
-            self.pou.writes_outside = True
         self._mark(node.callee, node.callee, True, True)
         node.symbol, node.type = call, None
         return node

@@ -127,6 +127,7 @@ class Calls(Expressions):
         if isinstance(symbol, BlockCall):
             self.block_call(expr, symbol)
         elif isinstance(symbol, ActionOf):
+            self.forget(expr)
             self.action_call(symbol)
         else:
             text = self.value(expr)
@@ -137,8 +138,7 @@ class Calls(Expressions):
         if call.en is not None:
             self.line(f"(if {self.value(call.en)} (then")
         base, offset = self._instance(call)
-        for parameter, value in call.inputs:
-            self._store_input(parameter, value, base, offset)
+        given = self._store_inputs(call, base, offset)
         places: dict[Var, str] = {}
         for parameter, place in call.in_outs:
             text = self._argument(parameter, place)
@@ -153,7 +153,7 @@ class Calls(Expressions):
         self.mark(node, note=self.source.text[node.callee.start : node.callee.end])
         if call.pou.kind == "PROGRAM":
             self.line(f"(call {self.module.need_instance(call.pou, None, offset)})")
-        elif not self.inline_block(call.pou, base, offset, places):
+        elif not self.inline_block(call.pou, base, offset, places, given):
             self.module.need(call.pou)
             self.line(f"(call {call.pou.symbol} {address(base, offset)})")
         for parameter, place in call.outputs:
@@ -171,12 +171,19 @@ class Calls(Expressions):
         self.line(f"(local.set {temp} {base})")
         return f"(local.get {temp})", offset
 
-    def _store_input(self, parameter: Var, value: s.Node, base: str, offset: int) -> None:
-        offset += parameter.address
-        if t.is_aggregate(parameter.type):
-            self.line(self.copy_text(parameter.type, address(base, offset), value))
-        else:
-            self.line(store(parameter.type, base, offset, self.value(value)))
+    def _store_inputs(self, call: BlockCall, base: str, offset: int) -> dict[Var, str]:
+        """The inputs of a block into its instance; the locals that hold them as well, for code that is taken in."""
+        given: dict[Var, str] = {}
+        for parameter, value in call.inputs:
+            at = offset + parameter.address
+            if t.is_aggregate(parameter.type):
+                self.line(self.copy_text(parameter.type, address(base, at), value))
+            elif self.inlining_suits(call.pou) and not parameter.addressed:
+                given[parameter] = name = self.borrow(wasm_type(parameter.type))
+                self.line(store(parameter.type, base, at, f"(local.tee {name} {self.narrow(value)})"))
+            else:
+                self.line(store(parameter.type, base, at, self.value(value)))
+        return given
 
     def _take_output(self, parameter: Var, place: s.Node, base: str, offset: int) -> None:
         offset += parameter.address

@@ -73,7 +73,7 @@ class Changes:
     def steady(self, var: Var) -> bool:
         return var not in self.named and not self.unseen(var)
 
-    def _store(self, place: s.Node) -> None:
+    def store(self, place: s.Node) -> None:
         """Something is stored at this place."""
         while isinstance(place, s.Part):
             place = place.base
@@ -88,13 +88,13 @@ class Changes:
             else:
                 self.kinds.add(kind)
 
-    def _call(self, node: s.Call) -> None:
+    def call(self, node: s.Call) -> None:
         call = node.symbol
         if isinstance(call, BuiltinCall):
             self.anything |= call.name in ("MEMMOVE", "MEMSET")
         elif isinstance(call, FunctionCall | BlockCall):
             for place in [*(place for _, place in call.outputs), *([call.eno] if call.eno is not None else [])]:
-                self._store(place)
+                self.store(place)
             if call.pou.writes_outside or call.pou.external:
                 self.library |= call.pou.library
                 self.anything |= not call.pou.library
@@ -111,12 +111,12 @@ def changes(code: object, pou: Pou) -> Changes:
             found.used[node.symbol] += 1
         match node:
             case s.Assign():
-                found._store(node.target)
+                found.store(node.target)
             case s.For():
-                found._store(node.var)
+                found.store(node.var)
                 found.counters.add(node.var.symbol)
             case s.Call():
-                found._call(node)
+                found.call(node)
     return found
 
 

@@ -6,7 +6,7 @@ from stcore import syntax as s
 from stcore import types as t
 from stcore.check.width import held, wide
 from stcore.emit.calls import Calls
-from stcore.emit.changes import changes, worth_keeping
+from stcore.emit.changes import changes
 from stcore.emit.counting import Counting
 from stcore.emit.ranges import Range, range_of
 from stcore.emit.values import constant, convert, load, number, store, wasm_type, wrap
@@ -70,9 +70,13 @@ class Statements(Calls):
             self.line(self.store_text(target, value))
         elif t.is_aggregate(target.type):
             self.line(self.copy_text(target.type, self.address_of(target), node.value))
+            self.forget(target, stored=True)
         else:
-            local = self.local_of(target.symbol) if isinstance(target.symbol, Var) else None
+            suits = self.suits(target)
+            local = suits or isinstance(target.symbol, Var) and self.local_of(target.symbol)
             value = self.narrow(node.value) if local else self.value(node.value)
+            if suits:
+                self.remember(target.symbol)
             if wide(node.value) and local and t.base_of(node.value.type) is not t.base_of(target.type):
                 value = wrap(target.type, value)
             self.line(self.store_text(target, value))
@@ -84,10 +88,11 @@ class Statements(Calls):
         symbol = place.symbol
         if isinstance(symbol, Var):
             local = self.local_of(symbol)
-            if local is not None and symbol not in self.copies:
+            if not self.in_memory(symbol):
                 return f"(local.set {local} {value})"
             if local is not None:
                 value = f"(local.tee {local} {value})"
+        self.forget(place, stored=True)
         base, offset = self.place(place)
         if isinstance(symbol, Var) and symbol.bit is not None:
             byte = load(t.BYTE, base, offset)
@@ -105,6 +110,7 @@ class Statements(Calls):
         if isinstance(inner, s.Part) or in_local:
             whole = self._with_bits(kind.wasm, self.value(inner), value, place.index * width, width)
             return self.store_text(inner, wrap(kind, whole))
+        self.forget(inner, stored=True)
         base, offset = self.place(inner)
         first = ""
         if base and not base.startswith("(local.get"):  # worked out once, for its calls and checks
@@ -147,15 +153,20 @@ class Statements(Calls):
     # ---------------------------------------------------------------------------------------- selection
 
     def if_(self, node: s.If) -> None:
+        ways = []
         for i, (condition, body) in enumerate(node.branches):
             self.mark(node if i == 0 else condition)
             self.line(f"(if {self.value(condition)} (then")
+            before = self.recent
             self._branch(node, "IF", condition)
             self.body(body)
+            ways.append(self.recent)
+            self.recent = before
             self.line(") (else")
         self._branch(node, "IF", "ELSE")
         if node.orelse is not None:
             self.body(node.orelse)
+        self.recent = self.in_all([*ways, self.recent])
         self.line("))" * len(node.branches))
 
     def case(self, node: s.Case) -> None:
@@ -169,15 +180,19 @@ class Statements(Calls):
         for name in reversed(names):
             self.line(f"(block {name}")
         self._dispatch(node, selector, wasm, names, other)
+        before, ways = self.recent, []
         for name, (labels, body) in zip(names, node.branches, strict=True):
             self.line(f") ;; {name}")
             self._branch(node, "CASE", labels[0], labels[-1])
             self.body(body)
+            ways.append(self.recent)
+            self.recent = before
             self.line(f"(br {end})")
         self.line(")")
         self._branch(node, "CASE", "ELSE")
         if node.orelse is not None:
             self.body(node.orelse)
+        self.recent = self.in_all([*ways, self.recent])
         self.line(")")
 
     def _dispatch(self, node: s.Case, selector: str, wasm: str, names: list[str], other: str) -> None:
@@ -224,21 +239,11 @@ class Statements(Calls):
         self.line(f"(block {next_label}")
         self.body(body)
         self.line(")")
+        self.recent = {}
         self.loops.pop()
 
-    def _keep_copies(self, *code: object) -> dict[Var, str]:
-        """Before a loop: what it changes by name and reads is kept in locals, too. The copies of outside the loop."""
-        outer = self.copies
-        if not self.probed:  # there a debugger may change any variable at any statement
-            found = changes(code, self.pou)
-            new = {v: self.keep(wasm_type(v.type)) for v in worth_keeping(found) if self.local_of(v) is None}
-            for var, name in new.items():
-                self.line(f"(local.set {name} {load(var.type, *self.var_place(var))})")
-            self.copies = outer | new
-        return outer
-
     def while_(self, node: s.While) -> None:
-        outer = self._keep_copies(node.condition, node.body)
+        outer = self.keep_copies(node.condition, node.body)
         end, top, next_ = self.label("end"), self.label("loop"), self.label("next")
         entered = self.keep("i32") if self.probed else ""
         if entered:
@@ -260,7 +265,7 @@ class Statements(Calls):
         self.copies = outer
 
     def repeat(self, node: s.Repeat) -> None:
-        outer = self._keep_copies(node.condition, node.body)
+        outer = self.keep_copies(node.condition, node.body)
         end, top, next_ = self.label("end"), self.label("loop"), self.label("next")
         self.line(f"(block {end} (loop {top}")
         self.mark(node)
@@ -326,7 +331,7 @@ class Statements(Calls):
         var = node.var.symbol if isinstance(node.var, s.Name) and isinstance(node.var.symbol, Var) else None
         rounds = (max(last[1] - first[0], first[1] - last[0]) // abs(step) + 1) if step else QUICK + 1
         end, top, next_ = self.label("end"), self.label("loop"), self.label("next")
-        copies = self._keep_copies(node.body)
+        copies = self.keep_copies(node.body)
         self.line(f"(block {end} (br_if {end} (i32.eqz {counting.inside()}))")
         self.line(f"(loop {top}")
         trusted = var is not None and step is not None and changes(node.body, self.pou).steady(var)
@@ -398,8 +403,10 @@ class Statements(Calls):
         self.line(f"(br_table {' '.join(names)} (local.get {next_piece}))")
         for piece in pieces:
             self.line(")")
+            self.recent = {}
             for node in piece:
                 self.statement(node)
+        self.recent = {}
         self.line(")")
         self.jumps.pop()
 
