@@ -234,6 +234,18 @@ def test_position_velocity_and_following_error_in_increments(bus):
     assert bus("GT_GetEcatEncPos(1, ADR(x))") == 0 and bus["x"] == pytest.approx(before * 64, abs=1)
 
 
+def test_scale_6_makes_17_bits_of_a_23_bit_encoder(bus):
+    """13 command 117."""
+    assert bus("GT_SetPosScale(1, 6)") == 0
+    bus.power()
+    bus["trap"] = {"acc": 50.0, "dec": 50.0, "velStart": 0.0, "smoothTime": 0}
+    for call in ("GT_PrfTrap(1)", "GT_SetTrapPrm(1, ADR(trap))", f"GT_SetPos(1, {2**17})", "GT_SetVel(1, 1000)"):
+        assert bus(call) == 0, call
+    assert bus("GT_Update(1)") == 0
+    bus.scan(200)
+    assert bus("GT_GetEcatEncPos(1, ADR(x))") == 0 and bus["x"] == 2**23
+
+
 def test_torque_is_acceleration_times_inertia_and_the_load(bus):
     bus.axis.drive.inertia = 200.0
     bus.plc["ECAT.Drive[1].load"] = 30.0
@@ -248,8 +260,10 @@ def test_torque_is_acceleration_times_inertia_and_the_load(bus):
 
 def test_cyclic_velocity(bus):
     bus.power()
-    assert bus("GT_SetEcatAxisMode(1, 7)") == 7
-    assert bus("GT_SetEcatAxisMode(1, 9)") == 0
+    for mode in (-1, 2, 5, 7, 11):  # the list of 13 command 100; 7 is read only (command 39)
+        assert bus(f"GT_SetEcatAxisMode(1, {mode})") == 7, mode
+    for mode in (0, 1, 3, 4, 6, 8, 10, 9):
+        assert bus(f"GT_SetEcatAxisMode(1, {mode})") == 0, mode
     bus.scan()
     assert bus("GT_GetEcatAxisMode(1, ADR(i))") == 0 and bus["i"] == 9
     before = bus.axis.position
