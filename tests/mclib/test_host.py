@@ -63,8 +63,9 @@ def test_the_shipped_files_are_found_last(tmp_path):
 def test_a_configuration_file_beside_the_program(tmp_path):
     (tmp_path / "my.cfg").write_text("[axis 1]\nstop_smooth = 7\nwrong line\n")
     program = tmp_path / "main.st"
-    program.write_text("PROGRAM PLC_PRG VAR rtn : INT; d, e : LREAL; END_VAR\n"
-                       "rtn := GT_LoadConfig('my.cfg'); GT_ClrSts(1); GT_GetStopDec(1, ADR(d), ADR(e));\nEND_PROGRAM")  # fmt: skip
+    program.write_text("""PROGRAM PLC_PRG VAR rtn : INT; d, e : LREAL; END_VAR
+rtn := GT_LoadConfig('my.cfg'); GT_ClrSts(1); GT_GetStopDec(1, ADR(d), ADR(e));
+END_PROGRAM""")
     plc = PLC.load(program)
     plc.scan()
     assert plc["PLC_PRG.rtn"] == 7 and plc["PLC_PRG.d"] == 1.0
