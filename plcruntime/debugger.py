@@ -9,19 +9,17 @@ from __future__ import annotations
 
 import queue
 import struct
-import sys
 import threading
 from collections.abc import Callable
-from concurrent.futures import Future
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from plcruntime.breakpoints import Breakpoint, Breakpoints
-from plcruntime.errors import UsageError
+from plcruntime.builds import Builds
 from plcruntime.typed import Result
 from stcore.known import Scene
 from stcore.paths import instance_at
-from stcore.program import DEPTH, HOOK_SLOTS, STOP, STOP_DEPTH, Body, Program, Site
+from stcore.program import DEPTH, HOOK_SLOTS, STOP, STOP_DEPTH, Body, Site
 from stcore.side import condition
 
 if TYPE_CHECKING:
@@ -30,7 +28,7 @@ if TYPE_CHECKING:
 ANY_DEPTH = 1 << 30
 PATIENCE = 1.0  # s after Ctrl-C until a statement that does not end is broken off
 TICK = 0.1
-BACKGROUND = 0.0005  # s that a compilation in the background holds up what the user does
+MANY = 20_000  # scans that are worth waiting for the fast build
 OTHERS = 8192  # bytes for the constants of the condition of `until`, before those of breakpoints
 
 
@@ -95,12 +93,10 @@ class Debugger:
     def __init__(self, plc: PLC) -> None:
         self._plc = plc
         self._engine = plc._engine
-        self._plain = plc._machine
-        self._probed = None
+        self._builds = Builds(plc)
         self._requests: queue.SimpleQueue = queue.SimpleQueue()
         self._order: _Order | None = None
         self._thread: threading.Thread | None = None
-        self._ahead: Future[Program] | None = None
         self._deaf = False  # probes are passed over: typed text runs
         self._checks: dict[tuple[int, int], _Check] = {}  # conditions, by breakpoint and body
         self._checks_size = OTHERS
@@ -113,61 +109,23 @@ class Debugger:
     @property
     def active(self) -> bool:
         """True while the probed build runs."""
-        return self._probed is not None and self._engine.machine is self._probed
+        return self._builds.probed
+
+    def prepare(self) -> None:
+        """Have the build that is not loaded compiled in the background."""
+        self._builds.prepare()
 
     def attach(self) -> None:
         """Change to the probed build. Raises UsageError when the source is no longer what was loaded."""
-        if self._probed is None:
-            self._probed = self._build()
-            self._probed.on_probe = self._on_probe
-        if not self.active:
-            self._use(self._probed)
+        machine = self._builds.with_probes()
+        if self.breakpoints.program is None:
+            machine.on_probe = self._on_probe
+            self.breakpoints.program = machine.program
 
-    def detach(self) -> None:
-        """Back to the fast build, when nothing needs the probes any more."""
+    def detach(self, *, wait: bool = False) -> None:
+        """Back to the fast build, when nothing needs the probes any more. wait: until it is there."""
         if self.active and self.stop is None and not self.breakpoints.active:
-            self._use(self._plain)
-
-    def _use(self, machine) -> None:
-        self._engine.use(machine)
-        self._plc._machine = machine
-
-    def prepare(self) -> None:
-        """Compile the probed build in the background, so that the first step need not wait for it."""
-        if self._plc.origin is not None and self._ahead is None:
-            self._ahead = Future()
-            # a daemon: whoever quits at once does not wait for it
-            threading.Thread(target=self._compile_ahead, name="scancycle build", daemon=True).start()
-
-    def _compile_ahead(self) -> None:
-        usual = sys.getswitchinterval()
-        sys.setswitchinterval(BACKGROUND)
-        try:
-            self._ahead.set_result(self._compile())
-        except BaseException as error:  # told to whoever asks for the build
-            self._ahead.set_exception(error)
-        finally:
-            sys.setswitchinterval(usual)
-
-    def _compile(self) -> Program:
-        from plcruntime.plc import build
-        from stcore.machine import load_module
-
-        program, _ = build(**self._plc.origin, probes=True)
-        load_module(program.wasm)  # to machine code, kept in the cache
-        return program
-
-    def _build(self):
-        """A machine with the probed build of the program."""
-        plc = self._plc
-        if plc.origin is None:
-            raise UsageError("breakpoints and statement steps need a program that was loaded from its source")
-        ahead, self._ahead = self._ahead, None
-        program = ahead.result() if ahead else self._compile()
-        if program.digest != plc.program.digest:
-            raise UsageError("the source has changed since it was loaded; leave and load it again")
-        self.breakpoints.program = program
-        return plc.new_machine(program)
+            self._builds.without_probes(wait=wait)
 
     # -------------------------------------------------------------------------------------------- running
 
@@ -183,7 +141,7 @@ class Debugger:
             if outcome.stop is not None or outcome.reached:
                 return outcome
             scans -= 1
-        self.detach()
+        self.detach(wait=scans > MANY)
         return Outcome(reached=self._engine.advance(scans, until=until, realtime=realtime))
 
     def step(self, how: str) -> Outcome:
@@ -318,8 +276,7 @@ class Debugger:
     def _on_probe(self, site: int, body: int, this: int, frame: int) -> None:
         if self._deaf or self._order is None:
             return
-        program = self._probed.program
-        memory = self._probed.memory
+        program, memory = self.breakpoints.program, self._engine.machine.memory
         depth = struct.unpack_from("<i", memory, DEPTH)[0]
         where = program.bodies[body]
         stepping = struct.unpack_from("<i", memory, STOP)[0] == 2

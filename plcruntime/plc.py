@@ -94,17 +94,17 @@ class PLC(Variables, Running):
     @classmethod
     def load(
         cls, source: str | Path | Sequence[str | Path], interval: Time | None = None, config: str | Path | None = None,
-        *, strict: bool = False, watchdog: float | None = None, retain: str | Path | None = None,
+        *, strict: bool = False, watchdog: float | None = None, retain: str | Path | None = None, probes: bool = False,
     ) -> PLC:  # fmt: skip
         """Compile and load, ready before the first scan.
 
         source: a file, a folder, a plc.toml, the text of a program, or a list of files. interval: of a scan ('1ms').
         config: a plc.toml beside the source. strict: a mended misprint is an error. retain: the retain file, else that
-        of the plc.toml, else none.
+        of the plc.toml, else none. probes: the build that can stop at every statement, slower: for the prompt.
         Raises stcore.CompileError with .diagnostics (a file that can't be read too), UsageError (a wrong plc.toml, a
         retain file that can't be used).
         """
-        program, project = build(source, config, strict=strict)
+        program, project = build(source, config, strict=strict, probes=probes)
         plc = cls(program, interval=interval, project=project, watchdog=watchdog, retain=retain)
         plc.origin = {"source": source, "config": config, "strict": strict}
         return plc

@@ -36,7 +36,7 @@ KEYS: dict[str, dict[str, str]] = {
         "limit_positive": "number", "limit_negative": "number", "home_from": "number", "home_to": "number",
         "index_period": "number", "index_at": "number",
     },
-    # the simulated EtherCAT bus; mclib/ecat.py knows the values, docs/ecat.md the meaning
+    # the simulated EtherCAT bus; mclib/ecat knows the values, docs/ecat.md the meaning
     "ecat": {"eni": "text", "startup": "duration", "slave": "tables", "fault": "tables"},
     "slave": {
         "kind": "text", "name": "text", "count": "whole number", "axis": "whole number", "wired": "TRUE or FALSE",

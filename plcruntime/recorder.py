@@ -14,7 +14,7 @@ from plcruntime.trace import Trace
 from stcore.paths import PathError, Place
 from stcore.program import TRACE
 
-BUFFER = 1 << 21  # bytes of changes between two looks of the host
+BUFFER = 1 << 22  # bytes of changes between two looks of the host
 BLOCK = 2 * WORD
 WORDS = 1 << 16  # of a row at most
 MOST = 1 << 16  # times that 16 rows are searched
@@ -183,7 +183,8 @@ class Recorder:
         start, following = self._words(ROWS, 2)
         rows = self._words(SEARCHED, 1)[0] * TOGETHER + (following - start) // self._size
         if rows:
-            self._machine.search_rows()
+            if following != start:
+                self._machine.search_rows()
             value, header = self._words(FOUND, 2)
             memory, end = self._machine.memory, self._buffer + self._buffer_size
             values = self._keeper.keep(memory[self._buffer : value])

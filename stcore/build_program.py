@@ -13,7 +13,7 @@ from stcore.check import CheckedProject
 from stcore.check.initial import check_init
 from stcore.diagnostics import CompileError, Diagnostic, Reporter
 from stcore.emit import ModuleEmitter
-from stcore.machine import assemble
+from stcore.machine import assemble, load_ahead
 from stcore.near import near
 from stcore.program import Program, TaskSpec, Variable
 from stcore.scope import Pou, Var, key
@@ -149,9 +149,11 @@ def _emit(
 ) -> Program:  # fmt: skip
     hooks = [p for p in project.reached if "call_after_scan" in p.attributes]
     emitter = ModuleEmitter(project, probes)
-    text = emitter.emit(tasks, hooks, [p for p in pous if not p.tree.generics and p.kind != "INTERFACE"])
+    kept = [p for p in pous if not p.tree.generics and p.kind != "INTERFACE"]
+    wasm = assemble(emitter.emit(tasks, hooks, kept))
+    load_ahead(wasm)
     program = Program(
-        wasm=assemble(text), image=emitter.image(), image_end=emitter.image_end, limit=emitter.limit,
+        wasm=wasm, image=emitter.image(), image_end=emitter.image_end, limit=emitter.limit,
         sites=emitter.sites, externals=emitter.externals, tasks=tasks, diagnostics=reporter.sorted(),
         files=[x.path for x in sources] + [p for p in project.loaded if p not in {x.path for x in sources}],
     )  # fmt: skip

@@ -67,6 +67,7 @@ CODES: dict[str, Code] = {
     "W0132": Code("{name} is not declared; its use makes it {type}", "declare  {name} : {type};"),
     "W0133": Code("{name} takes {wanted} arguments: the first of {given} is read as a core number and left out"),
     "W0134": Code("{name} is a block; read as an instance of it", "declare an instance and call that"),
+    "W0135": Code("{name} is {type} and {text} is added to it; read as LREAL", "declare  {name} : LREAL;"),
     # --- E02: declarations and types
     "E0201": Code("{name} is declared twice; first at line {line}", "rename one of them or remove it"),
     "E0202": Code("unknown type {name}", "{near}"),

@@ -91,6 +91,8 @@ class Names:
 
     def _routines(self) -> None:
         for name, routine in self.program.routines.items():
+            if not routine.export:
+                continue
             pou = self._function(routine) if routine.kind == "FUNCTION" else self._code(routine)
             if pou is None:
                 continue
@@ -190,15 +192,11 @@ class Names:
             self.short[name][f"{variable.path}.{field.name}"] = var
 
     @functools.cached_property
-    def index(self) -> dict:
+    def index(self) -> dict[str, str]:
         """Which file of the library defines a name: looked up when a name is nowhere else."""
         from stcore.library import index
 
-        found: dict = {}
-        for folder in self.program.libraries:
-            for name, entry in index(Path(folder), recursive=True, library=True).items():
-                found.setdefault(name, entry)
-        return found
+        return index(map(Path, self.program.libraries), recursive=True)
 
 
 class Known(CheckedProject):

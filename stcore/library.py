@@ -10,8 +10,7 @@ import functools
 import json
 import os
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from stcore import cache
@@ -26,14 +25,6 @@ _ENUM = re.compile(r":\s*(?:\w+\s*)?\(([^()]*)\)", re.S)
 _GLOBALS = re.compile(r"\bVAR_GLOBAL\b(.*?)\bEND_VAR\b", re.S | re.I)
 _GLOBAL_NAMES = re.compile(r"(?:^|;)\s*(?:CONSTANT\b|RETAIN\b|PERSISTENT\b|\s)*([\w\s,]+?)(?:\bAT\b[^:]*)?:(?!=)", re.I)
 _QUALIFIED = re.compile(r"\{\s*attribute\s+'qualified_only'", re.I)
-
-
-@dataclass(slots=True)
-class Entry:
-    """A name and the file that defines it."""
-
-    path: Path
-    library: bool
 
 
 def names_of(text: str) -> set[str]:
@@ -54,11 +45,15 @@ def names_of(text: str) -> set[str]:
     return {n for n in names if n}
 
 
-def index(folder: Path, *, recursive: bool, library: bool) -> dict[str, Entry]:
-    """Upper-case name -> the file of `folder` that defines it; its own name counts as defined. Not to be changed."""
-    files = list(_files(str(folder), recursive))
-    files.sort(key=lambda f: f[0].split(os.sep))
-    return _entries(tuple(files), library)
+def index(folders: Iterable[Path], *, recursive: bool) -> dict[str, str]:
+    """Upper-case name -> path of the file that defines it, in the first of the folders that does; the name of a file
+    counts as defined in it."""
+    found: dict[str, str] = {}
+    for folder in folders:
+        files = tuple(sorted(_files(str(folder), recursive)))
+        for name, path in _defined(f"{folder} {recursive}", files).items():
+            found.setdefault(name, path)
+    return found
 
 
 def _files(folder: str, recursive: bool) -> Iterator[tuple[str, int, int]]:
@@ -76,27 +71,44 @@ def _files(folder: str, recursive: bool) -> Iterator[tuple[str, int, int]]:
 
 
 @functools.lru_cache(maxsize=16)
-def _entries(files: tuple[tuple[str, int, int], ...], library: bool) -> dict[str, Entry]:
-    stamp = cache.digest(json.dumps(files).encode())
-    cached = cache.load("index", stamp)
-    if cached is None:
-        table = {path: sorted(names_of(read(Path(path)).text)) for path, *_ in files}
-        cached = json.dumps(table).encode()
-        cache.store("index", stamp, cached)
-    entries: dict[str, Entry] = {}
-    for path, names in json.loads(cached).items():
-        file = Path(path)
-        own = file.stem.upper()
-        for name in {own, *names}:
+def _defined(folder: str, files: tuple[tuple[str, int, int], ...]) -> dict[str, str]:
+    """What the files of a folder define. The cache has it as it was at the last look; only what has changed since is
+    read again."""
+    key = cache.digest(cache.fingerprint([Path(__file__)]), folder.encode("utf-8", "surrogateescape"))
+    stamp = repr(files)
+    before = _kept(key)
+    if before.get("stamp") == stamp:
+        return before["defined"]
+    known = {tuple(file): names for file, names in before.get("names", [])}
+    names = {file: known[file] if file in known else sorted(names_of(read(file[0]).text)) for file in files}
+    defined = _owners({path: names[path, time, size] for path, time, size in files})
+    kept = {"stamp": stamp, "names": list(names.items()), "defined": defined}
+    cache.store("index", key, json.dumps(kept).encode())
+    return defined
+
+
+def _kept(key: str) -> dict:
+    try:
+        return json.loads(cache.load("index", key) or b"{}")
+    except ValueError:  # damaged
+        return {}
+
+
+def _owners(names: dict[str, list[str]]) -> dict[str, str]:
+    """Upper-case name -> path, from the names that each file defines."""
+    defined: dict[str, str] = {}
+    for path in sorted(names, key=lambda path: path.split(os.sep)):
+        own = Path(path).stem.upper()
+        for name in sorted({own, *names[path]}):
             # a file named after the thing wins over one that merely mentions it in a list
-            if name not in entries:
-                entries[name] = Entry(file, library)
+            if name not in defined:
+                defined[name] = path
             elif name == own:
-                entries[listed(name)] = entries[name]
-                entries[name] = Entry(file, library)
-            elif name == entries[name].path.stem.upper():
-                entries[listed(name)] = Entry(file, library)
-    return entries
+                defined[listed(name)] = defined[name]
+                defined[name] = path
+            elif name == Path(defined[name]).stem.upper():
+                defined[listed(name)] = path
+    return defined
 
 
 def listed(name: str) -> str:

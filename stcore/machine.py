@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import functools
 import struct
+import threading
 from collections.abc import Callable, Mapping
 from itertools import takewhile
 
@@ -48,8 +50,42 @@ def assemble(text: str) -> bytes:
     return bytes(wasmtime.wat2wasm(text))
 
 
+class _Ahead(threading.Thread):
+    """Makes the machine code of a module while other work goes on: the compiler of wasmtime needs no interpreter."""
+
+    def __init__(self, wasm: bytes) -> None:
+        super().__init__(name="machine code", daemon=True)
+        self.wasm = wasm
+        self.module: wasmtime.Module | None = None
+
+    def run(self) -> None:
+        with contextlib.suppress(wasmtime.WasmtimeError):  # raised again by load_module
+            self.module = _load(self.wasm)
+
+
+_ahead: _Ahead | None = None
+
+
+def load_ahead(wasm: bytes) -> None:
+    """Begin with what load_module will be asked for next."""
+    global _ahead
+    engine()  # made by this thread, so that there is one
+    _ahead = _Ahead(wasm)
+    _ahead.start()
+
+
 def load_module(wasm: bytes) -> wasmtime.Module:
     """The module's machine code: from the cache, or compiled and kept there."""
+    global _ahead
+    begun, _ahead = _ahead, None
+    if begun is not None and begun.wasm == wasm:
+        begun.join()
+        if begun.module is not None:
+            return begun.module
+    return _load(wasm)
+
+
+def _load(wasm: bytes) -> wasmtime.Module:
     key = cache.digest(wasm)
     kept = cache.load("native", key)
     if kept is not None:

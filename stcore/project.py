@@ -16,7 +16,7 @@ from stcore import types as t
 from stcore.cache import parse_cached
 from stcore.declare import Declarer, Pending, align
 from stcore.diagnostics import Reporter
-from stcore.library import Entry, index, listed
+from stcore.library import index, listed
 from stcore.program import NULL_PAGE
 from stcore.scope import Builtin, EnumValue, GlobalList, Init, Pou, TypeName, Var, key
 from stcore.source import Source, read
@@ -34,14 +34,8 @@ class Project:
         self._listing_tables: list[dict] | None = None
         self.user: dict[str, Pending] = {}
         self.library: dict[str, Pending] = {}
-        self.sibling_index: dict[str, Entry] = {}
-        self.library_index: dict[str, Entry] = {}
-        for folder in siblings or []:
-            for name, entry in index(folder, recursive=False, library=False).items():
-                self.sibling_index.setdefault(name, entry)
-        for folder in libraries:
-            for name, entry in index(folder, recursive=True, library=True).items():
-                self.library_index.setdefault(name, entry)
+        self.sibling_index = index(siblings or [], recursive=False)
+        self.library_index = index(libraries, recursive=True)
         self.loaded: dict[str, Source] = {}  # path -> source of every file read
         self.pous: list[Pou] = []  # declared, in order
         self.globals: list[Var] = []  # with storage, in order
@@ -148,7 +142,7 @@ class Project:
         if not library:
             entry = self.user.get(upper)
             if entry is None and upper in self.sibling_index and not self.is_builtin(upper):
-                entry = self._load(upper, self.sibling_index[upper], self.user)
+                entry = self._load_sibling(upper)
             if entry is not None:
                 return self._resolve(entry)
         if self.is_builtin(upper):
@@ -157,7 +151,7 @@ class Project:
         if upper in self.library_index and (
             entry is None or (entry.kind in ("global", "enum value") and listed(upper) in self.library_index)
         ):
-            entry = self._load(upper, self.library_index[upper], self.library)
+            entry = self._load(upper)
         return None if entry is None else self._resolve(entry)
 
     def constant_beside(self, pou: Pou) -> object | None:
@@ -165,27 +159,28 @@ class Project:
         name = listed(key(pou.name))
         if not pou.library or name not in self.library_index:
             return None
-        entry = self.library.get(name) or self._load(name, self.library_index[name], self.library)
+        entry = self.library.get(name) or self._load(name)
         return None if entry is None else self._resolve(entry)
 
-    def _load(self, name: str, entry: Entry, table: dict[str, Pending]) -> Pending | None:
-        """Read the file that the index names; of a sibling only what was asked for."""
-        path = str(entry.path)
-        if path in self.loaded and entry.library:
-            return table.get(name)
-        source = self.loaded.get(path) or read(entry.path)
-        if entry.library:
-            self.add_file(source, library=True)
-            return table.get(name)
-        self.loaded[path] = source
+    def _load(self, name: str) -> Pending | None:
+        """Read the file of the library that the index names."""
+        path = self.library_index[name]
+        if path not in self.loaded:
+            self.add_file(read(path), library=True)
+        return self.library.get(name)
+
+    def _load_sibling(self, name: str) -> Pending | None:
+        """Take what is asked for from the sibling that the index names, and nothing else."""
+        path = self.sibling_index[name]
+        source = self.loaded[path] = self.loaded.get(path) or read(path)
         wanted: dict[str, Pending] = {}
         quiet = Reporter()  # what is wrong elsewhere in a sibling is not this program's concern
         for unit in parse_cached(source, quiet).units:
             if not (isinstance(unit, s.Pou) and unit.kind == "PROGRAM"):
                 self._add_unit(unit, source, False, wanted)
         for found, pending in wanted.items():
-            table.setdefault(found, pending)
-        return table.get(name)
+            self.user.setdefault(found, pending)
+        return self.user.get(name)
 
     def spellings(self) -> dict[str, str]:
         """Misprints of names in the manuals of the libraries: printed -> meant, '*' for the rest of a name."""
@@ -203,7 +198,7 @@ class Project:
 
     def known_names(self, library: bool = False) -> list[str]:
         """Every global name there is, for 'did you mean'."""
-        names = [e.path.stem if e.path.stem.upper() == n else n for n, e in self.library_index.items() if n[-1] != "#"]
+        names = [_spelt(n, path) for n, path in self.library_index.items() if n[-1] != "#"]
         if not library:
             for n, p in self.user.items():
                 names.append(getattr(p.tree, "name", None) or n)
@@ -270,3 +265,9 @@ class Project:
         if pou.address is None:
             pou.address = self.allocate(pou.type.size, 8)
         return pou.address
+
+
+def _spelt(name: str, path: str) -> str:
+    """An upper-case name as its own file spells it."""
+    stem = Path(path).stem
+    return stem if stem.upper() == name else name

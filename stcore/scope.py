@@ -94,6 +94,7 @@ class Pou:
     checked: bool = False
     calls: int = 0
     writes_outside: bool = False
+    writes_instance: bool = False  # the instance whose method it is may change while it runs
     symbol: str = ""  # its name in the module
     serial: int = 0
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import functools
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,7 +47,7 @@ class Side:
     wasm: bytes
     type: t.Type | None
     size: int
-    sites: list[Site]
+    sites: Sequence[Site]
     simple: bool = False
 
 
@@ -147,6 +148,7 @@ def _module(emitter: _Emitter, function: FunctionEmitter, tree, scene, at: int, 
     data, size = emitter.data(at, room)
     program = emitter.project.names.program
     stack = f"(global $span i32 (i32.const {program.stack_top - NULL_PAGE}))"
+    stack += f" (global $behind i32 (i32.const {program.state_end}))"
     stack += f" (global $stack i32 (i32.const {program.image_end + SIDE_SIZE}))"
     code = "\n".join([start, *emitter.functions, text])
     module = [

@@ -12,7 +12,7 @@ def execute(arguments: argparse.Namespace) -> int:
     from plcruntime.plc import PLC
 
     try:
-        plc = PLC.load(arguments.files, interval=arguments.task_interval, config=arguments.config)
+        plc = PLC.load(arguments.files, arguments.task_interval, arguments.config, probes=True)
     except CompileError as error:
         from plcruntime.cli import output
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from plcruntime.axes import ROOT
 from plcruntime.plc import PLC
 from stcore.paths import instance_at
+from stcore.values import decode
 
 _HEADS = ("axis", "name", "state", "position", "velocity", "actual", "unit", "status", "signals")
 NUMBERS = ("position", "velocity", "actual")
@@ -12,17 +13,25 @@ _SIGNALS = {
     "drive.enabled": "on", "moving": "moving", "drive.alarm": "alarm", "drive.offline": "offline",
     "switches.positive": "+limit", "switches.negative": "-limit", "switches.home": "home",
 }  # fmt: skip
+_USED = ("used", "moving", "drive.enabled", "prfPos")
 
 
 def heads_and_rows(plc: PLC, without: tuple[str, ...] = ()) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """The columns that have something to show, and their cells; no rows when no axis is in use."""
-    rows = [_row(plc, number) for number in plc.axes.numbers if _in_use(plc.axes[number])]
+    rows = [_row(plc, number) for number in _in_use(plc)]
     shown = [i for i, head in enumerate(_HEADS) if head not in without and any(row[i] for row in rows)]
     return tuple(_HEADS[i] for i in shown), [tuple(row[i] for i in shown) for row in rows]
 
 
-def _in_use(axis) -> bool:
-    return axis.used or axis.moving or axis.drive.enabled or bool(axis.prfPos)
+def _in_use(plc: PLC) -> list[int]:
+    """Numbers of axes. The simulator has hundreds: where the first has its members is looked up once."""
+    numbers, memory = plc.axes.numbers, plc._machine.memory
+    if not numbers:
+        return []
+    first = f"{ROOT}[{numbers[0]}]"
+    size = plc.place(first).size
+    signs = [plc.place(f"{first}.{member}") for member in _USED]
+    return [n for k, n in enumerate(numbers) if any(decode(memory, s.type, s.address + k * size) for s in signs)]
 
 
 def _row(plc: PLC, number: int) -> tuple[str, ...]:

@@ -80,6 +80,7 @@ class CheckedProject(Project):
             return
         pou.checked = True
         checker = Checker(self, pou.source, pou, pou.library)
+        checker.sums_of_fractions()
         for var in [*pou.variables.values(), *([pou.result] if pou.result else [])]:
             self.direct(var)
             self.reach_type(var.type)

@@ -39,6 +39,11 @@ class BlockCall:
     en: s.Node | None = None
     eno: s.Node | None = None
 
+    @property
+    def decides(self) -> bool:
+        """Whether the instance may be of a block that extends the one known here, and then runs its own body."""
+        return bool(self.pou.type.number) and self.instance is not None and is_borrowed(self.instance)
+
 
 class Calls(Expressions):
     """Checks calls."""
@@ -110,6 +115,8 @@ class Calls(Expressions):
     def _action(self, node: s.Call, symbol: ActionOf) -> s.Node:
         if node.args:
             self.error("E0401", node, name=self.text(node.callee), wanted=0, given=len(node.args))
+        if self.pou is not None:
+            self.pou.writes_instance = True
         node.symbol = symbol
         node.type = None
         return node
@@ -152,8 +159,6 @@ class Calls(Expressions):
         self.fill(node, call, bound, checked)
         self.use(pou)
         pou.calls += 1
-        if self.pou is not None and (pou.writes_outside or pou.external or not pou.library):
-            self.pou.writes_outside = True
         node.symbol = call
         node.type = pou.result.type if pou.result is not None else None
         if "real_result" in pou.attributes and node.type is t.LREAL and self._all_real(call):
@@ -218,6 +223,8 @@ class Calls(Expressions):
             kind = bindings.get(name)
             if key(any_type) == "ANY_POINTER" and _is_address(kind):
                 kind = bindings[name] = t.Pointer(t.BYTE)
+            elif key(any_type) == "ANY_POINTER" and isinstance(kind, t.Pointer) and isinstance(kind.target, t.Array):
+                kind = bindings[name] = t.Pointer(kind.target.element)
             if kind is None or not _is_any(kind, key(any_type)):
                 parts = isinstance(kind, t.Array | t.Struct)
                 hint = f"name its {'elements' if isinstance(kind, t.Array) else 'members'} one by one" if parts else ""
@@ -345,9 +352,10 @@ class Calls(Expressions):
                 call.inputs.append((parameter, self._argument(node, arg, parameter, pou, checked)))
         self.use(pou)
         pou.calls += 1
-        if self.pou is not None:
-            self.pou.writes_outside = True
         self._mark(node.callee, node.callee, True, True)
+        if self.pou is not None:
+            self.pou.writes_instance = True
+            self.pou.writes_outside |= call.decides
         node.symbol, node.type = call, None
         return node
 
@@ -355,6 +363,22 @@ class Calls(Expressions):
 def _is_one(given: t.Type, wanted: t.Type) -> bool:
     """An instance of a block is also one of the blocks that its block extends, a value of an ENUM one of its base."""
     return t.base_of(given) is t.base_of(wanted) or isinstance(given, t.Block) and given.extends(wanted)
+
+
+def is_borrowed(node: s.Node) -> bool:
+    """Whether an instance is reached by its address alone, so that it may be of another block than the one declared."""
+    match node:
+        case s.Deref():
+            return node.base.symbol != "super"
+        case s.Index():
+            return isinstance(node.base.type, t.Pointer)
+        case s.Name() | s.Member() if isinstance(node.symbol, Var):
+            return node.symbol.indirect
+        case s.Member() if isinstance(node.symbol, t.Field):
+            return node.symbol.by_reference
+        case s.Call():
+            return False
+    return False
 
 
 def _names(decl: s.VarDecl) -> set[str]:

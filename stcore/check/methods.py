@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from stcore import syntax as s
 from stcore import types as t
-from stcore.check.calls import Calls, FunctionCall
+from stcore.check.calls import Calls, FunctionCall, is_borrowed
 from stcore.check.conversions import same
 from stcore.near import near
 from stcore.scope import MethodOf, Pou, PropertyOf, Var, key, member_of
@@ -64,7 +64,8 @@ class Methods(Calls):
         self.use(pou)
         pou.calls += 1
         if self.pou is not None:
-            self.pou.writes_outside = True
+            self.pou.writes_instance = True
+            self.pou.writes_outside |= not call.bound
         if symbol.base is not None and not isinstance(symbol.base.type, t.Interface):
             self._mark(symbol.base, symbol.base, True, True)
         node.symbol = call
@@ -146,22 +147,6 @@ class Methods(Calls):
                 base=declared.holder.name,
                 why=why,
             )
-
-
-def is_borrowed(node: s.Node) -> bool:
-    """Whether an instance is reached by its address alone, so that it may be of another block than the one declared."""
-    match node:
-        case s.Deref():
-            return node.base.symbol != "super"
-        case s.Index():
-            return isinstance(node.base.type, t.Pointer)
-        case s.Name() | s.Member() if isinstance(node.symbol, Var):
-            return node.symbol.indirect
-        case s.Member() if isinstance(node.symbol, t.Field):
-            return node.symbol.by_reference
-        case s.Call():
-            return False
-    return False
 
 
 def _refers(found: PropertyOf) -> bool:

@@ -348,6 +348,7 @@ class Names(Conversions):
                 self.error("E0318", whole, name=self.text(whole), why="it is passed without a copy")
         var.written |= write
         var.addressed |= addressed
-        of_instance = self.pou is not None and self.pou.holder is not None and var.storage == "this"
-        if var.storage in ("global", "area") or var.indirect or of_instance:
+        if var.storage in ("global", "area") or var.indirect:
             self._outside(write)
+        elif write and var.storage == "this" and self.pou is not None:
+            self.pou.writes_instance = True

@@ -92,6 +92,30 @@ class Printed(Context):
         self.report("W0132", node, name=node.name, type=block.type)
         return self._declare(node.name, block.type)
 
+    def sums_of_fractions(self) -> None:
+        """A variable printed as a whole number to which its POU adds fractions, x := x + 0.016, is an LREAL: the sum
+        would stay what it is."""
+        if self.pou is None or self.library or not self.printed:
+            return
+        for node in _all(self.pou.tree.body):
+            if not isinstance(node, s.Assign) or not isinstance(node.target, s.Name):
+                continue
+            var, value = self.pou.variables.get(key(node.target.name)), node.value
+            if var is None or var.section != "VAR" or not isinstance(var.type, t.Elementary) or var.type.kind != "int":
+                continue
+            if not isinstance(value, s.Binary) or value.op not in "+-" or not _is(value.left, var.name):
+                continue
+            if self._fraction(value.right):
+                self.report("W0135", node, name=var.name, type=var.type, text=self.text(value.right))
+                self._declare(var.name, t.LREAL).init = var.init
+
+    def _fraction(self, node: s.Node) -> bool:
+        """Is it a constant that is no whole number?"""
+        if isinstance(node, s.Name):
+            var = self.lookup(node.name)
+            node = var.init.node if isinstance(var, Var) and var.constant and var.init is not None else None
+        return isinstance(node, s.Literal) and isinstance(node.value, float) and not node.value.is_integer()
+
     def _declare(self, name: str, kind: t.Type) -> Var:
         """A variable that the text forgot; static, so that the layout of instances stays."""
         var = Var(name, kind, "global", self.project.allocate(kind.size, max(kind.align, 4)), owner=self.pou)

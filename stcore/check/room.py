@@ -1,4 +1,4 @@
-"""How many bytes an argument that is an address leads to, for an input with {attribute 'room_of' := 'pValue'}."""
+"""Where the room of an argument that is an address ends, for an input with {attribute 'room_of' := 'pValue'}."""
 
 from __future__ import annotations
 
@@ -7,33 +7,48 @@ from stcore import types as t
 from stcore.scope import BuiltinCall, Convert, Var, key
 
 
-def room_argument(call: s.Call, parameter: Var, values: list[tuple[Var, s.Node | None]]) -> s.Literal:
+def room_argument(call: s.Call, parameter: Var, values: list[tuple[Var, s.Node | None]]) -> s.Call:
     """What a call gives to such an input, from the arguments before it."""
     pointer = next(value for p, value in values if key(p.name) == parameter.room_of)
-    made = s.Literal(call.start, call.end, _room(pointer), None, "")
-    made.const, made.type = made.value, parameter.type
+    place = _place(pointer)
+    made = s.Call(call.start, call.end, call.callee, [])
+    made.symbol = BuiltinCall("__ROOM", parameter.type, [] if place is None else [place])
+    made.type = parameter.type
     return made
 
 
-def _room(value: s.Node | None) -> int:
-    """The bytes of the array that a pointer is to, from its constant index on in ADR(a[2]); 0 where that is not known:
-    NULL, a number that holds an address, the address of a scalar or of an element whose index is a variable."""
+def _place(value: s.Node | None) -> s.Node | None:
+    """The variable that a pointer leads into: the array in ADR(a) and ADR(a[i]), the scalar in ADR(x), or a pointer to
+    an array. None where only the running program knows: a number that holds an address, a pointer to an element."""
     while isinstance(value, Convert):
         value = value.operand
     if value is None or not isinstance(value.type, t.Pointer):
-        return 0
-    if isinstance(value.type.target, t.Array):
-        return value.type.target.size
+        return None
     if isinstance(value, s.Call) and isinstance(value.symbol, BuiltinCall) and value.symbol.name == "ADR":
-        return _behind(value.symbol.args[0])
-    return 0
+        place = value.symbol.args[0]
+        while isinstance(place, s.Index):  # an array inside of an array goes on in its neighbour
+            place = place.base
+            if isinstance(place.type, t.Pointer) or getattr(place.type, "open", 0):
+                return None
+    elif isinstance(value.type.target, t.Array):
+        place = s.Deref(value.start, value.end, value)
+        place.type = value.type.target
+    else:
+        return None
+    return place if _simple(place) and place.type.size else None
 
 
-def _behind(place: s.Node) -> int:
-    """From an element to the end of its array. An array inside of an array goes on in its neighbour."""
-    if not isinstance(place, s.Index) or isinstance(place.base, s.Index) or not isinstance(place.base.type, t.Array):
-        return 0
-    array = place.base.type
-    if not array.bounds or not all(isinstance(i.const, int) for i in place.indices):
-        return 0
-    return array.size - array.number_of(index.const for index in place.indices) * array.element.size
+def _simple(node: s.Node) -> bool:
+    """May it be worked out a second time? Calls may not."""
+    match node:
+        case s.Name() | s.Address() | s.Literal():
+            return True
+        case s.Member() | s.Deref():
+            return _simple(node.base)
+        case Convert():
+            return _simple(node.operand)
+        case s.Index():
+            return _simple(node.base) and all(_simple(i) for i in node.indices)
+        case s.Binary():
+            return _simple(node.left) and _simple(node.right)
+    return False

@@ -23,7 +23,7 @@ from stcore.program import (
     External,
     Parameter,
     Routine,
-    Site,
+    Sites,
     TaskSpec,
 )
 from stcore.scope import Pou, Var, key, place_node
@@ -48,7 +48,7 @@ class ModuleEmitter:
         self.probed: dict[int, int] = {}  # sites of statements -> the number of their body
         self.branches: list[Branch] = []
         self.images = ImageBuilder(project)
-        self.sites: list[Site] = []
+        self.sites = Sites()
         self.functions: list[str] = []
         self.externals: list[External] = []
         self.needed: dict[str, tuple[Pou, s.Action | None]] = {}
@@ -101,8 +101,7 @@ class ModuleEmitter:
 
     def site(self, source: Source, node: s.Node, pou: str, code: str, note: str, within: int = -1) -> int:
         line, column = source.position(node.start)
-        self.sites.append(Site(source.path, line, column, pou, code, " ".join(note.split()) if note else "", within))
-        return len(self.sites) - 1
+        return self.sites.add(source.path, line, column, pou, code, " ".join(note.split()) if note else "", within)
 
     def string(self, text: str, wide: bool) -> int:
         """The address of a constant string."""
@@ -169,6 +168,7 @@ class ModuleEmitter:
         self.stack_top = limit
         parts += [
             f"(global $span i32 (i32.const {limit - NULL_PAGE}))",
+            f"(global $behind i32 (i32.const {self.constants_at}))",
             f"(global $stack i32 (i32.const {self.image_end + SIDE_SIZE}))",
             f"(global (export \"stack_top\") i32 (i32.const {limit}))",
             scan,
@@ -183,11 +183,11 @@ class ModuleEmitter:
     def routines(self) -> dict[str, Routine]:
         """Every POU of the module by upper-case name, but for the instances of generic functions."""
         found: dict[str, Routine] = {}
-        pous = {pou: None for pou, _ in self.needed.values() if not pou.bindings and pou.holder is None}
-        for pou in sorted(pous, key=lambda p: p.library):
+        pous = {pou: None for pou, _ in self.needed.values()} | (self.inlining.taken if self.inlining else {})
+        for pou in sorted((p for p in pous if not p.bindings and p.holder is None), key=lambda p: p.library):
             routine = Routine(
-                pou.name, pou.kind, pou.symbol[1:], library=pou.library, file=pou.source.path,
-                line=pou.source.position(pou.tree.name_start)[0], attributes=pou.attributes,
+                pou.name, pou.kind, pou.symbol[1:] if pou.symbol in self.needed else "", library=pou.library,
+                file=pou.source.path, line=pou.source.position(pou.tree.name_start)[0], attributes=pou.attributes,
             )  # fmt: skip
             if pou.kind == "FUNCTION":
                 routine.parameters = [self._parameter(p) for p in pou.parameters]

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from stcore import syntax as s
 from stcore import types as t
-from stcore.emit.values import number, wasm_type
+from stcore.emit.values import address, number, wasm_type
 from stcore.program import INTERVAL, NOW, SCAN
 from stcore.scope import BuiltinCall
 
@@ -136,6 +136,17 @@ def _adr(e, node: s.Call, call: BuiltinCall) -> str:
     return e.address_of(arg)
 
 
+def _room(e, node: s.Call, call: BuiltinCall) -> str:
+    """The address behind a variable; without one the end of all variables (stcore/check/room.py)."""
+    if not call.args:
+        return "(global.get $behind)"
+    place = call.args[0]
+    if isinstance(place, s.Deref) and place.base.symbol != "this":
+        return f"(i32.add {e.value(place.base)} (i32.const {place.type.size}))"  # not followed: it may be NULL
+    base, offset = e.place(place)
+    return address(base, offset + place.type.size)
+
+
 def _memmove(e, node: s.Call, call: BuiltinCall) -> str:
     to, source, count = (e.value(a) for a in call.args)
     temp = e.temp("i32")
@@ -185,6 +196,7 @@ def _sqrt(e, node: s.Call, call: BuiltinCall) -> str:
 EMIT: dict[str, Callable] = {
     "ABS": _abs, "SQRT": _sqrt, "MIN": _extreme("lt"), "MAX": _extreme("gt"), "LIMIT": _limit, "SEL": _sel, "MUX": _mux,
     "TRUNC": _trunc, "TRUNC_INT": _trunc, "SHL": _shift, "SHR": _shift, "ROL": _rotate, "ROR": _rotate, "ADR": _adr,
+    "__ROOM": _room,
     "LOWER_BOUND": _bound, "UPPER_BOUND": _bound, "MEMMOVE": _memmove, "MEMSET": _memset,
     "__ISVALIDREF": lambda e, node, call: f"(i32.ne {e.value(call.args[0])} (i32.const 0))",
     "__FLOOR": _instruction("f64.floor"), "__CEIL": _instruction("f64.ceil"),

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from stcore import syntax as s
 from stcore import types as t
 from stcore.check.calls import BlockCall, FunctionCall
-from stcore.check.methods import MethodCall, is_borrowed
+from stcore.check.methods import MethodCall
 from stcore.emit import values
 from stcore.emit.dispatch import signature
 from stcore.emit.expressions import Expressions
@@ -117,7 +117,8 @@ class Calls(Expressions):
 
     def _external(self, node: s.Call, text: str, returned: str) -> str:
         """A call of the host; when that fails, the fault is here."""
-        failed = f"(if (i32.load (i32.const {HOST_FAILED})) (then {self.marker(node, 'F0106')} (call $fault)))"
+        fault = f"{self.marker(node, 'F0106')} (call $fault) unreachable"
+        failed = f"(if (i32.load (i32.const {HOST_FAILED})) (then {fault}))"
         if not returned:
             return f"(block {text} {failed})"
         temp = self.temp(returned)
@@ -172,6 +173,7 @@ class Calls(Expressions):
         if isinstance(symbol, BlockCall):
             self.block_call(expr, symbol)
         elif isinstance(symbol, ActionOf):
+            self.forget(expr)
             self.action_call(symbol)
         else:
             text = self.value(expr)
@@ -182,8 +184,7 @@ class Calls(Expressions):
         if call.en is not None:
             self.line(f"(if {self.value(call.en)} (then")
         base, offset = self._instance(call)
-        for parameter, value in call.inputs:
-            self._store_input(parameter, value, base, offset)
+        given = self._store_inputs(call, base, offset)
         places: dict[Var, str] = {}
         for parameter, place in call.in_outs:
             text = self._argument(parameter, place)
@@ -201,7 +202,7 @@ class Calls(Expressions):
         elif self._decides(call):
             name = self.module.dispatch.body(call.pou, lambda: self.marker(node, "F0109", call.pou.name))
             self.line(f"(call {name} {address(base, offset)})")
-        elif not self.inline_block(call.pou, base, offset, places):
+        elif not self.inline_block(call.pou, base, offset, places, given):
             self.module.need(call.pou)
             self.line(f"(call {call.pou.symbol} {address(base, offset)})")
         for parameter, place in call.outputs:
@@ -212,9 +213,7 @@ class Calls(Expressions):
 
     def _decides(self, call: BlockCall) -> bool:
         """Whether the instance may be of a block that extends the one known here, whose body is to run then."""
-        if not call.pou.type.number or not is_borrowed(call.instance):
-            return False
-        return len(self.module.dispatch.of_body(call.pou)) > 1
+        return call.decides and len(self.module.dispatch.of_body(call.pou)) > 1
 
     def _instance(self, call: BlockCall) -> tuple[str, int]:
         """Where the instance is, worked out once."""
@@ -225,12 +224,19 @@ class Calls(Expressions):
         self.line(f"(local.set {temp} {base})")
         return f"(local.get {temp})", offset
 
-    def _store_input(self, parameter: Var, value: s.Node, base: str, offset: int) -> None:
-        offset += parameter.address
-        if t.is_aggregate(parameter.type):
-            self.line(self.copy_text(parameter.type, address(base, offset), value))
-        else:
-            self.line(store(parameter.type, base, offset, self.value(value)))
+    def _store_inputs(self, call: BlockCall, base: str, offset: int) -> dict[Var, str]:
+        """The inputs of a block into its instance; the locals that hold them as well, for code that is taken in."""
+        given: dict[Var, str] = {}
+        for parameter, value in call.inputs:
+            at = offset + parameter.address
+            if t.is_aggregate(parameter.type):
+                self.line(self.copy_text(parameter.type, address(base, at), value))
+            elif self.inlining_suits(call.pou) and not parameter.addressed:
+                given[parameter] = name = self.borrow(wasm_type(parameter.type))
+                self.line(store(parameter.type, base, at, f"(local.tee {name} {self.narrow(value)})"))
+            else:
+                self.line(store(parameter.type, base, at, self.value(value)))
+        return given
 
     def _take_output(self, parameter: Var, place: s.Node, base: str, offset: int) -> None:
         offset += parameter.address

@@ -245,6 +245,7 @@ class Expressions(Places):
 
     def call(self, node: s.Call) -> str:
         symbol = node.symbol
+        self.forget(node)
         if isinstance(symbol, BuiltinCall):
             return builtins.EMIT[symbol.name](self, node, symbol)
         if isinstance(symbol, MethodCall):
@@ -261,7 +262,9 @@ class Expressions(Places):
             inner.target = self.pinned(node.target)
             self.statement(inner)
 
+        before = self.recent
         lines = self.captured(emit)
+        self.recent = self.in_all([before, self.recent])  # it may stand where it is not always worked out
         return f"(block (result {wasm_type(node.type)}) {' '.join(lines)} {self.value(inner.target)})"
 
     def deref_check(self, node: s.Node) -> str:

@@ -41,6 +41,7 @@ class FunctionEmitter(Inlining):
         self.declared: list[str] = caller.declared if caller else []  # (local ...) declarations
         self.free: dict[str, list[str]] = caller.free if caller else {}
         self.lent: list[tuple[str, str]] = []
+        self.borrowed: list[tuple[str, str]] = []
         self.counter = caller.counter if caller else itertools.count(1)
         self.locals_of: dict[Var, str] = {}
         self.frame_of: dict[Var, int] = {}
@@ -50,7 +51,10 @@ class FunctionEmitter(Inlining):
         self.loops: list[tuple[str, str]] = []
         self.jumps: list[tuple[str, str, dict[str, int]]] = []  # lists of statements with labels, innermost last
         self.ranges: dict[Var, tuple[int, int]] = {}
-        self.shadows: dict[Var, str] = {}
+        self.shadows: dict[Var, str] = {}  # these three: emit/copies.py
+        self.copies: dict[Var, str] = {}
+        self.recent: dict[Var, str] = {}
+        self.homes: dict[Var, str] = {}  # the locals for what is recent
         self.rounds = 1
         self.probed = False
         self.number = -1  # of the body, in a probed build
@@ -94,6 +98,18 @@ class FunctionEmitter(Inlining):
         """A local of its own."""
         return self._local(wasm, "k")
 
+    def borrow(self, wasm: str) -> str:
+        """A local until this code ends: `release` gives it to what comes after code that is taken in."""
+        pool = self.free.setdefault(wasm, [])
+        name = pool.pop() if pool else self._local(wasm)
+        self.borrowed.append((wasm, name))
+        return name
+
+    def release(self) -> None:
+        for wasm, name in self.borrowed:
+            self.free[wasm].append(name)
+        self.borrowed.clear()
+
     def frame(self, size: int, alignment: int) -> int:
         """Room in the stack frame: its offset."""
         if self.caller:
@@ -111,15 +127,6 @@ class FunctionEmitter(Inlining):
     def mark(self, node: s.Node, note: str = "") -> None:
         self.here = len(self.module.sites)
         self.line(self.marker(node, "", note))
-
-    def local_of(self, var: Var) -> str | None:
-        """The WebAssembly local that holds a variable's value here, None if it is in memory."""
-        shadow = self.shadows.get(var)
-        if shadow is not None:
-            return shadow
-        if var.storage == "local" and not var.indirect:
-            return self.locals_of.get(var)
-        return None
 
     # -------------------------------------------------------------------------------------------- whole
 
@@ -153,7 +160,7 @@ class FunctionEmitter(Inlining):
             parts[1] += " (local $fp i32)"
             parts.append(
                 f"(if (i32.lt_u (local.tee $fp (i32.sub (global.get $sp) (i32.const {size}))) (global.get $stack))"
-                f" (then {site} (call $fault)))\n(global.set $sp (local.get $fp))"
+                f" (then {site} (call $fault) unreachable))\n(global.set $sp (local.get $fp))"
             )
         parts += prologue
         if self.probed:
@@ -202,7 +209,9 @@ class FunctionEmitter(Inlining):
             self.locals_of[p] = name
             self._show_address(p, name)
         elif t.is_aggregate(p.type):
-            if not p.written and not p.addressed and not self.pou.writes_outside:
+            pou = self.pou
+            elsewhere = pou.writes_outside or pou.holder is not None and pou.writes_instance
+            if not p.written and not p.addressed and not elsewhere:
                 p.indirect = True  # never changed here: the caller's own bytes will do
                 self.locals_of[p] = name
                 self._show_address(p, name)

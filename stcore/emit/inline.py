@@ -23,9 +23,10 @@ class NeedsFrame(Exception):
 
 @dataclass(slots=True)
 class Inlinable:
-    """Which POUs of a module can be taken in. called: those that can't."""
+    """Which POUs of a module can be taken in. called: those that can't. taken: those that were, in order."""
 
     called: set[Pou] = field(default_factory=set)
+    taken: dict[Pou, None] = field(default_factory=dict)
 
     @staticmethod
     def size(pou: Pou) -> int:
@@ -44,14 +45,20 @@ class Inlinable:
 class Inlining(Statements):
     """Emits calls by what they call."""
 
-    def inline_block(self, pou: Pou, base: str, offset: int, places: dict[Var, str]) -> bool:
-        """A block's code for the instance at this place. places: locals with the addresses of its in-outs. False:
-        it has to be called."""
+    def inlining_suits(self, pou: Pou) -> bool:
+        """True if this block may be taken in here."""
+        known = self.module.inlining
+        return known is not None and known.suits(pou)
+
+    def inline_block(self, pou: Pou, base: str, offset: int, places: dict[Var, str], given: dict[Var, str]) -> bool:
+        """A block's code for the instance at this place. places: locals with the addresses of its in-outs; given:
+        locals with its inputs. False: it has to be called."""
         inner = self._inner(pou)
         if inner is None:
             return False
         inner.this = (base, offset)
         inner.in_out_locals = places
+        inner.recent, inner.homes = given, dict(given)
         if self._emit(inner) is None:
             return False
         self.lines += self._code(inner)
@@ -88,12 +95,16 @@ class Inlining(Statements):
         except NeedsFrame:
             self.module.inlining.called.add(pou)
             return None
-        if "hidden" not in pou.attributes:  # what a typed statement can name stays callable from outside
-            self.module.need(pou)
+        if "hidden" not in pou.attributes:
+            self.module.inlining.taken[pou] = None
+            # what a typed statement can name stays callable; of the library's functions it can have a copy of its own
+            if not pou.library or pou.kind != "FUNCTION":
+                self.module.need(pou)
         return signature
 
     def _code(self, inner) -> list[str]:
         """The body as a block that RETURN leaves; what follows it is again part of the calling statement."""
+        inner.release()
         return [f"(block {inner.exit_label}", *inner.lines, ")", f"(drop (i32.const {self.here}))"]
 
     def _inner(self, pou: Pou):

@@ -168,19 +168,31 @@
   (loop $pair
     (local.set $old (v128.load (i32.sub (local.get $first) (local.get $size))))
     (local.set $seen (v128.const i64x2 0 0))
-    (local.set $at (local.get $first))
-    (local.set $left (i32.const 4))
-    (loop $rows
-      (local.set $seen (v128.or (local.get $seen)
-        (v128.xor (local.get $old) (v128.load (local.get $at)))))
-      (local.set $seen (v128.or (local.get $seen)
-        (v128.xor (local.get $old) (v128.load (i32.add (local.get $at) (local.get $size))))))
-      (local.set $seen (v128.or (local.get $seen)
-        (v128.xor (local.get $old) (v128.load (i32.add (local.get $at) (local.get $size2))))))
-      (local.set $seen (v128.or (local.get $seen)
-        (v128.xor (local.get $old) (v128.load (i32.add (local.get $at) (local.get $size3))))))
-      (local.set $at (i32.add (local.get $at) (local.get $size4)))
-      (br_if $rows (local.tee $left (i32.sub (local.get $left) (i32.const 1)))))
+    (local.set $at (local.get $first))  ;; no loop: this is most of what recording costs
+    (local.set $seen (v128.or (local.get $seen) (v128.or
+      (v128.or (v128.xor (local.get $old) (v128.load (local.get $at)))
+        (v128.xor (local.get $old) (v128.load (i32.add (local.get $at) (local.get $size)))))
+      (v128.or (v128.xor (local.get $old) (v128.load (i32.add (local.get $at) (local.get $size2))))
+        (v128.xor (local.get $old) (v128.load (i32.add (local.get $at) (local.get $size3))))))))
+    (local.set $at (i32.add (local.get $at) (local.get $size4)))
+    (local.set $seen (v128.or (local.get $seen) (v128.or
+      (v128.or (v128.xor (local.get $old) (v128.load (local.get $at)))
+        (v128.xor (local.get $old) (v128.load (i32.add (local.get $at) (local.get $size)))))
+      (v128.or (v128.xor (local.get $old) (v128.load (i32.add (local.get $at) (local.get $size2))))
+        (v128.xor (local.get $old) (v128.load (i32.add (local.get $at) (local.get $size3))))))))
+    (local.set $at (i32.add (local.get $at) (local.get $size4)))
+    (local.set $seen (v128.or (local.get $seen) (v128.or
+      (v128.or (v128.xor (local.get $old) (v128.load (local.get $at)))
+        (v128.xor (local.get $old) (v128.load (i32.add (local.get $at) (local.get $size)))))
+      (v128.or (v128.xor (local.get $old) (v128.load (i32.add (local.get $at) (local.get $size2))))
+        (v128.xor (local.get $old) (v128.load (i32.add (local.get $at) (local.get $size3))))))))
+    (local.set $at (i32.add (local.get $at) (local.get $size4)))
+    (local.set $seen (v128.or (local.get $seen) (v128.or
+      (v128.or (v128.xor (local.get $old) (v128.load (local.get $at)))
+        (v128.xor (local.get $old) (v128.load (i32.add (local.get $at) (local.get $size)))))
+      (v128.or (v128.xor (local.get $old) (v128.load (i32.add (local.get $at) (local.get $size2))))
+        (v128.xor (local.get $old) (v128.load (i32.add (local.get $at) (local.get $size3))))))))
+    (local.set $at (i32.add (local.get $at) (local.get $size4)))
     (if (v128.any_true (local.get $seen))
       (then
         (local.set $changed (i32.xor (i32.const 3)
@@ -196,7 +208,8 @@
                   (v128.load (i32.sub (local.get $at) (local.get $size2)))))
                 (i64x2.bitmask (i64x2.eq
                   (v128.load (i32.add (local.get $first) (i32.shl (local.get $size) (i32.const 3))))
-                  (v128.load (i32.sub (i32.sub (local.get $at) (local.get $size4)) (local.get $size4))))))))
+                  (v128.load (i32.add (local.get $first)
+                    (i32.sub (i32.shl (local.get $size) (i32.const 3)) (local.get $size)))))))))
           (then  ;; compare, from the last row to the one before the first
             (local.set $at (i32.sub (local.get $at) (local.get $size)))
             (local.set $new (v128.load (local.get $at)))

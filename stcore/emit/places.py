@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from stcore import syntax as s
 from stcore import types as t
+from stcore.emit.copies import Copies
 from stcore.emit.values import address, load
 from stcore.scope import Convert, Pinned, Pou, Var
 
 FRAME = "(local.get $fp)"
 
 
-class Places:
+class Places(Copies):
     """Addresses of places. `place` gives (base, offset): base '' when the address is a constant."""
 
     def place(self, node: s.Node) -> tuple[str, int]:

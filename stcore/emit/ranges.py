@@ -7,7 +7,7 @@ from stcore import types as t
 from stcore.check.calls import BlockCall, FunctionCall
 from stcore.check.methods import MethodCall
 from stcore.check.width import held
-from stcore.scope import ActionOf, BuiltinCall, Convert, Var
+from stcore.scope import BuiltinCall, Convert, Var
 
 Range = tuple[int, int]
 
@@ -67,43 +67,15 @@ def walk(node: object):
         if isinstance(symbol, MethodCall):
             yield from walk(symbol.base)
         if isinstance(symbol, FunctionCall):
-            yield from walk([v for _, v in symbol.values])
-            yield from walk([v for _, v in symbol.outputs])
+            yield from walk([v for _, v in (*symbol.values, *symbol.outputs)])
+            yield from walk([symbol.en, symbol.eno])
             return
         if isinstance(symbol, BlockCall):
             yield from walk([v for _, v in (*symbol.inputs, *symbol.in_outs, *symbol.outputs)])
-            yield from walk(symbol.instance)
+            yield from walk([symbol.instance, symbol.en, symbol.eno])
             return
         for name in node.fields:
             yield from walk(getattr(node, name))
     elif isinstance(node, list | tuple):
         for item in node:
             yield from walk(item)
-
-
-def steady(var: Var, body: list[s.Node]) -> bool:
-    """True if nothing in the body can change the variable behind the loop's back."""
-    if var.addressed or var.indirect or var.storage == "area":
-        return False
-    for node in walk(body):
-        match node:
-            case s.Assign() if isinstance(node.target, s.Name | s.Part):
-                target = node.target
-                while isinstance(target, s.Part):
-                    target = target.base
-                if target.symbol is var:
-                    return False
-            case s.For() if node.var.symbol is var:
-                return False
-            case s.Call():
-                if _may_write(node.symbol, var):
-                    return False
-    return True
-
-
-def _may_write(call: object, var: Var) -> bool:
-    if isinstance(call, FunctionCall | BlockCall):
-        if any(getattr(place, "symbol", None) is var for _, place in call.outputs):
-            return True
-        return var.storage != "local" and not (call.pou.library and call.pou.holder is None)
-    return isinstance(call, ActionOf) and var.storage != "local"

@@ -6,14 +6,16 @@ from stcore import syntax as s
 from stcore import types as t
 from stcore.check.width import held, wide
 from stcore.emit.calls import Calls
+from stcore.emit.changes import changes
 from stcore.emit.counting import Counting
-from stcore.emit.ranges import Range, range_of, steady
+from stcore.emit.ranges import Range, range_of
 from stcore.emit.values import constant, convert, load, number, store, wasm_type, wrap
 from stcore.program import INTERRUPT, Branch
 from stcore.scope import Var, key
 
 # A loop that is known to end after so many rounds need not ask whether the host wants it to stop.
 QUICK = 100_000
+SHORT = 128  # bytes that are copied by loads and stores
 # The ways of a loop that coverage counts: of FOR and WHILE once each time the loop is come to, of REPEAT each UNTIL
 ENTERED, NOT_ENTERED = "body", "no round"
 AGAIN, DONE = "another round", "done"
@@ -68,9 +70,13 @@ class Statements(Calls):
             self.line(self.store_text(target, value))
         elif t.is_aggregate(target.type):
             self.line(self.copy_text(target.type, self.address_of(target), node.value))
+            self.forget(target, stored=True)
         else:
-            local = self.local_of(target.symbol) if isinstance(target.symbol, Var) else None
+            suits = self.suits(target)
+            local = suits or isinstance(target.symbol, Var) and self.local_of(target.symbol)
             value = self.narrow(node.value) if local else self.value(node.value)
+            if suits:
+                self.remember(target.symbol)
             if wide(node.value) and local and t.base_of(node.value.type) is not t.base_of(target.type):
                 value = wrap(target.type, value)
             self.line(self.store_text(target, value))
@@ -82,8 +88,11 @@ class Statements(Calls):
         symbol = place.symbol
         if isinstance(symbol, Var):
             local = self.local_of(symbol)
-            if local is not None:
+            if not self.in_memory(symbol):
                 return f"(local.set {local} {value})"
+            if local is not None:
+                value = f"(local.tee {local} {value})"
+        self.forget(place, stored=True)
         base, offset = self.place(place)
         if isinstance(symbol, Var) and symbol.bit is not None:
             byte = load(t.BYTE, base, offset)
@@ -101,6 +110,7 @@ class Statements(Calls):
         if isinstance(inner, s.Part) or in_local:
             whole = self._with_bits(kind.wasm, self.value(inner), value, place.index * width, width)
             return self.store_text(inner, wrap(kind, whole))
+        self.forget(inner, stored=True)
         base, offset = self.place(inner)
         first = ""
         if base and not base.startswith("(local.get"):  # worked out once, for its calls and checks
@@ -129,20 +139,38 @@ class Statements(Calls):
         if isinstance(kind, t.String):
             call = "$wstr_copy" if kind.wide else "$str_copy"
             return f"(call {call} {to} {source} (i32.const {kind.length}))"
-        return f"(memory.copy {to} {source} (i32.const {kind.size}))"
+        return self._short_copy(kind, to, source) or f"(memory.copy {to} {source} (i32.const {kind.size}))"
+
+    def _short_copy(self, kind: t.Type, to: str, source: str) -> str | None:
+        """A structure of a few words through locals; memory.copy is a call of the host."""
+        if kind.size > SHORT:
+            return None
+        goal, start = self.temp("i32"), self.temp("i32")
+        loads, stores = [], []
+        for wasm, suffix, offset in _pieces(kind):
+            temp = self.temp(wasm)
+            loads.append(f"(local.set {temp} ({wasm}.load{suffix} offset={offset} (local.get {start})))")
+            store = suffix.partition("_")[0]
+            stores.append(f"({wasm}.store{store} offset={offset} (local.get {goal}) (local.get {temp}))")
+        return " ".join([f"(local.set {goal} {to}) (local.set {start} {source})", *loads, *stores])
 
     # ---------------------------------------------------------------------------------------- selection
 
     def if_(self, node: s.If) -> None:
+        ways = []
         for i, (condition, body) in enumerate(node.branches):
             self.mark(node if i == 0 else condition)
             self.line(f"(if {self.value(condition)} (then")
+            before = self.recent
             self._branch(node, "IF", condition)
             self.body(body)
+            ways.append(self.recent)
+            self.recent = before
             self.line(") (else")
         self._branch(node, "IF", "ELSE")
         if node.orelse is not None:
             self.body(node.orelse)
+        self.recent = self.in_all([*ways, self.recent])
         self.line("))" * len(node.branches))
 
     def case(self, node: s.Case) -> None:
@@ -156,15 +184,19 @@ class Statements(Calls):
         for name in reversed(names):
             self.line(f"(block {name}")
         self._dispatch(node, selector, wasm, names, other)
+        before, ways = self.recent, []
         for name, (labels, body) in zip(names, node.branches, strict=True):
             self.line(f") ;; {name}")
             self._branch(node, "CASE", labels[0], labels[-1])
             self.body(body)
+            ways.append(self.recent)
+            self.recent = before
             self.line(f"(br {end})")
         self.line(")")
         self._branch(node, "CASE", "ELSE")
         if node.orelse is not None:
             self.body(node.orelse)
+        self.recent = self.in_all([*ways, self.recent])
         self.line(")")
 
     def _dispatch(self, node: s.Case, selector: str, wasm: str, names: list[str], other: str) -> None:
@@ -203,16 +235,19 @@ class Statements(Calls):
 
     def _ask_interrupt(self, node: s.Node) -> None:
         """The host may end this loop here."""
-        self.line(f"(if (i32.atomic.load (i32.const {INTERRUPT})) (then {self.marker(node, 'F0108')} (call $fault)))")
+        fault = f"{self.marker(node, 'F0108')} (call $fault) unreachable"
+        self.line(f"(if (i32.atomic.load (i32.const {INTERRUPT})) (then {fault}))")
 
     def _loop_body(self, body: list[s.Node], exit_label: str, next_label: str) -> None:
         self.loops.append((exit_label, next_label))
         self.line(f"(block {next_label}")
         self.body(body)
         self.line(")")
+        self.recent = {}
         self.loops.pop()
 
     def while_(self, node: s.While) -> None:
+        outer = self.keep_copies(node.condition, node.body)
         end, top, next_ = self.label("end"), self.label("loop"), self.label("next")
         entered = self.keep("i32") if self.probed else ""
         if entered:
@@ -220,19 +255,21 @@ class Statements(Calls):
         self.line(f"(block {end} (loop {top}")
         self.mark(node)
         self._ask_interrupt(node)
-        self.line(f"(br_if {end} (i32.eqz {self.value(node.condition)}))")
+        self.line(f"(if {self.value(node.condition)} (then")  # as br_if it would have to turn the condition round
         if entered:
             self.line(f"(if (i32.eqz (local.get {entered})) (then (local.set {entered} (i32.const 1))")
             self._branch(node, "LOOP", ENTERED)
             self.line("))")
         self._loop_body(node.body, end, next_)
-        self.line(f"(br {top})))")
+        self.line(f"(br {top})))))")
         if entered:
             self.line(f"(if (i32.eqz (local.get {entered})) (then")
             self._branch(node, "LOOP", NOT_ENTERED)
             self.line("))")
+        self.copies = outer
 
     def repeat(self, node: s.Repeat) -> None:
+        outer = self.keep_copies(node.condition, node.body)
         end, top, next_ = self.label("end"), self.label("loop"), self.label("next")
         self.line(f"(block {end} (loop {top}")
         self.mark(node)
@@ -240,7 +277,8 @@ class Statements(Calls):
         self._loop_body(node.body, end, next_)
         self.mark(node.condition)
         if not self.probed:
-            self.line(f"(br_if {top} (i32.eqz {self.value(node.condition)}))))")
+            self.line(f"(if {self.value(node.condition)} (then) (else (br {top})))))")
+            self.copies = outer
             return
         self.line(f"(if (i32.eqz {self.value(node.condition)}) (then")
         self._branch(node, "LOOP", AGAIN)
@@ -297,9 +335,10 @@ class Statements(Calls):
         var = node.var.symbol if isinstance(node.var, s.Name) and isinstance(node.var.symbol, Var) else None
         rounds = (max(last[1] - first[0], first[1] - last[0]) // abs(step) + 1) if step else QUICK + 1
         end, top, next_ = self.label("end"), self.label("loop"), self.label("next")
+        copies = self.keep_copies(node.body)
         self.line(f"(block {end} (br_if {end} (i32.eqz {counting.inside()}))")
         self.line(f"(loop {top}")
-        trusted = var is not None and step is not None and steady(var, node.body)
+        trusted = var is not None and step is not None and changes(node.body, self.pou).steady(var)
         outer = self.rounds
         self.rounds *= max(rounds, 1)
         if self.rounds > QUICK or not trusted:
@@ -320,6 +359,7 @@ class Statements(Calls):
         self.line(f"(local.set {counter} {counting.next()})")
         self._show(node, counter, wasm)
         self.line(f"(br_if {top} {again})))")
+        self.copies = copies
 
     def _decided(self, test: str) -> str:
         """A local with the result of a test."""
@@ -367,8 +407,10 @@ class Statements(Calls):
         self.line(f"(br_table {' '.join(names)} (local.get {next_piece}))")
         for piece in pieces:
             self.line(")")
+            self.recent = {}
             for node in piece:
                 self.statement(node)
+        self.recent = {}
         self.line(")")
         self.jumps.pop()
 
@@ -384,6 +426,19 @@ class Statements(Calls):
         s.Assign: assign, s.ExprStmt: Calls.call_statement, s.If: if_, s.Case: case, s.For: for_, s.While: while_,
         s.Repeat: repeat, s.Exit: exit, s.Continue: continue_, s.Return: return_, s.Label: nothing, s.Jump: jump,
     }  # fmt: skip
+
+
+def _pieces(kind: t.Type) -> list[tuple[str, str, int]]:
+    """How the bytes of an aggregate are taken: type of the value, suffix of its load, offset. Members that were written
+    shortly before are best read one by one: a load over two of them waits until both are in memory."""
+    found, at, size = [], 0, kind.size
+    widest = kind.align if kind.align >= 4 and size <= 8 * kind.align else 16
+    widths = (("v128", "", 16), ("i64", "", 8), ("i32", "", 4), ("i32", "16_u", 2), ("i32", "8_u", 1))
+    for wasm, suffix, width in widths:
+        while width <= widest and size - at >= width:
+            found.append((wasm, suffix, at))
+            at += width
+    return found
 
 
 def _fits(last: tuple[int, int], step: int, kind: t.Elementary) -> bool:

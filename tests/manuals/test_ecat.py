@@ -205,7 +205,7 @@ UNTIL NOT (status <> 1 OR rtn[2] <> 0)
 END_REPEAT
 rtn[3] := GT_StartEcatComm();
 rtn[4] := GT_Reset();
-rtn[5] := GT_LoadConfig('GTS800.cfg');
+rtn[5] := GT_LoadConfig('GTS800.cfg') + GT_ClrSts(1);
 END_PROGRAM
 """)
     plc = PLC.load(tmp_path / "main.st")

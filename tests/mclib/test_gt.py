@@ -267,7 +267,7 @@ def test_alarm_switches_the_servo_off_and_latches(gt):
     gt.trap(target=100000)
     gt.run(50)
     gt.axis.drive.alarm = True
-    gt.run(1)
+    gt.run(2)  # planned motion, too, has come to its emergency stop
     assert gt.status == ALARM
     position = gt.axis.position
     assert gt("GT_AxisOn") == 1 and "alarm" in gt.why
@@ -279,6 +279,24 @@ def test_alarm_switches_the_servo_off_and_latches(gt):
     assert gt("GT_ClrSts") == 0 and gt.status == 0
     assert gt("GT_AxisOn") == 0 and gt.status == ENABLED
     assert gt.axis.position == position
+
+
+def test_an_alarm_stops_the_planning_with_the_emergency_deceleration(gt):
+    """9.3: servo off, emergency stop of what is planned; the motor stands at once."""
+    gt("GT_AxisOn")
+    assert gt("GT_SetStopDec", v=1.0, w=0.5) == 0
+    gt.trap(target=100000, vel=20.0)
+    gt.run(100)
+    gt.axis.drive.alarm = True
+    gt.run(1)
+    planned, stood = gt.axis.prfPos, gt.axis.position
+    assert gt.axis.prfVel == 20.0
+    gt.run(20)
+    assert gt.axis.prfVel == 10.0 and gt.axis.position == stood
+    assert gt.status == ALARM | MOVING and gt("GT_Update", x=1) == 1
+    gt.run(18)
+    assert gt.status == ALARM and gt.axis.prfPos == pytest.approx(planned + 20 * 20 / 2 / 0.5)
+    assert gt.axis.position == stood and gt.axis.state == 0
 
 
 def test_a_muted_alarm_does_nothing(gt):

@@ -63,8 +63,9 @@ def test_the_shipped_files_are_found_last(tmp_path):
 def test_a_configuration_file_beside_the_program(tmp_path):
     (tmp_path / "my.cfg").write_text("[axis 1]\nstop_smooth = 7\nwrong line\n")
     program = tmp_path / "main.st"
-    program.write_text("PROGRAM PLC_PRG VAR rtn : INT; d, e : LREAL; END_VAR\n"
-                       "rtn := GT_LoadConfig('my.cfg'); GT_GetStopDec(1, ADR(d), ADR(e));\nEND_PROGRAM")  # fmt: skip
+    program.write_text("""PROGRAM PLC_PRG VAR rtn : INT; d, e : LREAL; END_VAR
+rtn := GT_LoadConfig('my.cfg'); GT_ClrSts(1); GT_GetStopDec(1, ADR(d), ADR(e));
+END_PROGRAM""")
     plc = PLC.load(program)
     plc.scan()
     assert plc["PLC_PRG.rtn"] == 7 and plc["PLC_PRG.d"] == 1.0
@@ -74,6 +75,31 @@ def test_a_configuration_file_beside_the_program(tmp_path):
     (tmp_path / "my.cfg").write_text("[axis 1]\nstop_smooth = 7\n")
     plc.scan()
     assert plc["PLC_PRG.rtn"] == 0 and plc["PLC_PRG.d"] == 7.0
+
+
+def test_a_configuration_waits_for_clrsts(tmp_path):
+    """4.4: the command takes effect with GT_ClrSts only; axis by axis here, each setting the last that was loaded."""
+    (tmp_path / "a.cfg").write_text("[axis *]\nlimit_positive = none\nstop_smooth = 7\n")
+    (tmp_path / "b.cfg").write_text("[axis 1]\nstop_smooth = 8\n")
+    (tmp_path / "main.st").write_text("""PROGRAM P
+VAR load, clear, reset : BOOL; dec : ARRAY[1..2] OF LREAL; abrupt : LREAL; END_VAR
+IF load THEN GT_LoadConfig('a.cfg'); GT_LoadConfig('b.cfg'); load := FALSE; END_IF
+IF reset THEN GT_Reset(); reset := FALSE; END_IF
+IF clear THEN GT_ClrSts(1); clear := FALSE; END_IF
+GT_GetStopDec(1, ADR(dec[1]), ADR(abrupt));
+GT_GetStopDec(2, ADR(dec[2]), ADR(abrupt));
+END_PROGRAM""")
+    plc = PLC.load(tmp_path / "main.st")
+    plc["P.load"] = True
+    plc.axes[1].switches.positive = True
+    plc.scan(2)
+    assert plc["P.dec"] == [1.0, 1.0] and plc.axes[1].status & 0x20
+    plc["P.clear"] = True
+    plc.scan(2)
+    assert plc["P.dec"] == [8.0, 1.0] and not plc.axes[1].status & 0x20
+    plc["P.load"] = plc["P.reset"] = plc["P.clear"] = True  # GT_Reset forgets what waits
+    plc.scan(2)
+    assert plc["P.dec"] == [1.0, 1.0] and plc.axes[1].status & 0x20
 
 
 @pytest.mark.parametrize(
@@ -96,7 +122,7 @@ def test_a_scale_that_is_loaded_with_the_servo_on_moves_no_motor(tmp_path):
     (tmp_path / "main.st").write_text("""PROGRAM P
 VAR rtn : INT; once : BOOL := TRUE; END_VAR
 IF once THEN
-    rtn := GT_AxisOn(1) + GT_SetPrfPos(1, 1000) + GT_LoadConfig('my.cfg') + GT_SetPrfPos(1, 0);
+    rtn := GT_AxisOn(1) + GT_SetPrfPos(1, 1000) + GT_LoadConfig('my.cfg') + GT_ClrSts(1) + GT_SetPrfPos(1, 0);
     once := FALSE;
 END_IF
 END_PROGRAM""")

@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from stcore import cache, prune, tables
+from stcore import cache, library, prune, tables
 
 
 @pytest.fixture
@@ -60,3 +60,23 @@ def test_the_parse_table_is_read_without_lark(folder):
     (stored,) = (folder / "table").rglob("*/*")
     assert b"lark" not in stored.read_bytes()
     assert tables.load() == made
+
+
+def test_an_index_reads_only_what_has_changed(folder, tmp_path_factory, monkeypatch):
+    texts = tmp_path_factory.mktemp("texts")
+    first, second = texts / "a.st", texts / "b.st"
+    first.write_text("VAR_GLOBAL one : INT; END_VAR")
+    second.write_text("TYPE Two : INT; END_TYPE")
+    read, taken = library.read, []
+    monkeypatch.setattr(library, "read", lambda path: taken.append(path) or read(path))
+    here = {"A": str(first), "ONE": str(first), "B": str(second), "TWO": str(second)}
+    assert library.index([texts], recursive=False) == here and len(taken) == 2
+    library._defined.cache_clear()
+    assert library.index([texts], recursive=False) == here and len(taken) == 2
+    second.write_text("FUNCTION Three : INT END_FUNCTION")
+    here["THREE"] = here.pop("TWO")
+    assert library.index([texts], recursive=False) == here and taken[2:] == [str(second)]
+    kept = next((folder / "index").rglob("*/*"))
+    kept.write_bytes(kept.read_bytes()[:9])  # damaged
+    library._defined.cache_clear()
+    assert library.index([texts], recursive=False) == here and len(taken) == 5

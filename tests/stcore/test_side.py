@@ -178,6 +178,16 @@ def test_library_functions_that_the_program_does_not_use():
     assert decode(machine.memory, side.type, address) == pytest.approx(0.479425538604203, rel=1e-15)
 
 
+def test_a_library_function_that_was_taken_into_its_callers():
+    """The module has no code of its own for it, so what is typed brings its own."""
+    program = compile([Source("PROGRAM P VAR b : WORD; END_VAR\nb := INT_TO_BCD(12);\nEND_PROGRAM")])
+    assert program.routines["INT_TO_BCD"].export == ""
+    machine = Machine(program)
+    machine.run(1)
+    side = compile_side(Names(program), "INT_TO_BCD(34) + b")
+    assert decode(machine.memory, side.type, machine.side(side)(0, 0)) == 0x34 + 0x12
+
+
 @pytest.mark.parametrize(
     "text, message",
     [

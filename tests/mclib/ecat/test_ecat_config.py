@@ -2,7 +2,8 @@
 
 import pytest
 
-from mclib import ecat
+from mclib.ecat import table
+from mclib.ecat.bus import place
 from plcruntime import UsageError, project
 
 FIGURE_5_2 = """
@@ -72,8 +73,8 @@ def test_figure_5_2(tmp_path, bench):
 
 
 def test_figure_5_4():
-    (slave,) = [ecat._slave({"kind": "coupler", "modules": ["di16", "do16", "ai4", "ao4"]}, 0)]
-    ecat.place([slave])
+    (slave,) = [table._slave({"kind": "coupler", "modules": ["di16", "do16", "ai4", "ao4"]}, 0)]
+    place([slave])
     at = {(e.index, e.subindex): e.bit // 8 for e in slave.entries}
     assert at[0x7010, 1] == 2 and at[0x6000, 1] == 14
     assert [at[0x7030, n] for n in range(1, 5)] == [4, 6, 8, 10]

@@ -138,6 +138,23 @@ def test_chain_of_slaves_and_a_slave_before_its_master(gt):
     assert gt.axis(2).prfPos == pytest.approx(before / 2, abs=1e-9)
 
 
+def test_towards_a_flagged_limit_the_slave_does_not_move(gt):
+    """9.2: not even for one scan; away from it, it does."""
+    gt.ok("GT_AxisOn", 2)
+    gt.axis(2).switches.positive = True
+    gt.plc.scan()
+    gear(gt, 1, 1)
+    gt.jog(1, 10.0)
+    gt.follow(2)
+    gt.plc.scan(20)
+    assert {(p, v) for p, v, _ in gt.rows(2)} == {(0.0, 0.0)} and not gt.axis(2).moving
+    gt.jog(1, -10.0)
+    gt.plc.scan(40)
+    gt.ok("GT_GearStart", x=2)
+    gt.plc.scan(10)
+    assert gt.axis(2).prfVel == -10.0 and gt.axis(2).moving
+
+
 def test_a_limit_stops_the_slave(gt):
     gt.ok("GT_AxisOn", 2)
     gear(gt, 1, 1)

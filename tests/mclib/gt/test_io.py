@@ -82,7 +82,7 @@ def test_outputs():
 
 def test_counts_of_level_changes():
     get, put = "GT_GetDiReverseCount(i, k, ADR(counts), 3)", "GT_SetDiReverseCount(i, k, ADR(counts), 3)"
-    io = Board(get, put)
+    io = Board(get, put, "GT_Reset()")
     for level in (1, 0, 4, 5):
         io.plc["SimIo.gpi"] = level
         io.plc.scan()
@@ -93,6 +93,7 @@ def test_counts_of_level_changes():
     assert io(get) == 0 and io["counts"][:3] == [11, 20, 31]
     assert io(get, k=14) == 0 and io(get, k=15) == 7 and io(get, k=0) == 7 and io(get, i=0, k=10) == 0
     assert io(get, i=0, k=11) == 7
+    assert io("GT_Reset()") == 0 and io(get, i=4, k=1) == 0 and io["counts"][:3] == [0, 0, 0]
 
 
 def test_analogue_outputs_and_their_limits():

@@ -204,14 +204,36 @@ def test_return_codes(gt):
     gt.ok("GT_PtClear", j=0)
     assert gt.read("GT_PtSpace") == 32
     gt.ok("GT_PrfPt", i=1)
-    assert gt("GT_SetPtLoop", x=2) == 1 and gt("GT_GetPtLoop") == 1
-    fill(gt, [(100, 100)])
+    fill(gt, [(1000, 100)])
     gt.ok("GT_PtStart", x=1)
+    gt.plc.scan(50)
     assert gt("GT_PtClear") == 1
-    gt.ok("GT_Stop", x=1, y=1)
-    gt.plc.scan(5)
+    gt.ok("GT_Stop", x=1)
+    assert gt("GT_PtClear") == 1  # it is still coming to rest
+    gt.plc.scan(15)
     gt.ok("GT_PtClear")
     assert gt.read("GT_PtSpace") == 64
+
+
+def test_loops_have_no_effect_in_dynamic_mode(gt):
+    """13 commands 66 and 119: the code is 1 in another mode than PT only."""
+    gt.ok("GT_PrfPt")
+    gt.ok("GT_SetPtLoop", x=3)
+    gt.ok("GT_PrfPt", i=1)
+    gt.plc["PLC_PRG.ox"] = -1
+    gt.ok("GT_SetPtLoop", x=5)
+    gt.ok("GT_SetPtLoop", x=-1)
+    gt.ok("GT_GetPtLoop")
+    assert gt.plc["PLC_PRG.ox"] == -1
+    fill(gt, [(50, 10), (100, 20)])
+    gt.ok("GT_PtStart", x=1)
+    gt.plc.scan(25)
+    assert gt.axis().prfPos == 100.0 and not gt.axis().moving
+    gt.ok("GT_PrfPt", i=0)
+    fill(gt, [(50, 10), (100, 20)])
+    gt.ok("GT_PtStart", x=1)
+    gt.plc.scan(65)
+    assert gt.axis().prfPos == 400.0  # 3 loops, as set in static mode
 
 
 def test_a_soft_limit_stops_it(gt):

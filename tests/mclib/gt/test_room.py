@@ -1,4 +1,4 @@
-"""Commands with 'count' or a size: what would run past the array that the pointer leads to gives 7, changes nothing
+"""Commands with 'count' or a size: what would run past the variable that the pointer leads to gives 7, changes nothing
 and is noted with the reason. Commands of EtherCAT and of motion programs are tested with the others of theirs."""
 
 import re
@@ -23,9 +23,9 @@ def call(name: str, pointer: str, count: int) -> str:
 def declared(name: str) -> str:
     """Arrays of the elements that a command has, each between two others that shall stay as they are."""
     kind, lines = COUNTED[name][5], ""
-    for array, bounds in {"three": "0..2", "other": "-1..1", "square": "1..2, 0..1"}.items():
-        lines += f"{name}_{array}_a : DINT := 7; {name}_{array} : ARRAY[{bounds}] OF {kind}; "
-        lines += f"{name}_{array}_b : DINT := 7;\n"
+    for array, bounds in {"three": "0..2", "other": "-1..1", "square": "1..2, 0..1", "single": ""}.items():
+        of = f"ARRAY[{bounds}] OF {kind}" if bounds else kind
+        lines += f"{name}_{array}_a : DINT := 7; {name}_{array} : {of}; {name}_{array}_b : DINT := 7;\n"
     return lines
 
 
@@ -46,6 +46,13 @@ def cases() -> dict[str, tuple[str, int]]:
             ("from an element of two dimensions", f"{at}square[2, 0])", 2, 0),
             ("from an element of two dimensions, one too many", f"{at}square[2, 0])", 3, 7),
             ("from a variable index on", f"{at}three[one])", 2, 0),
+            ("from a variable index on, one too many", f"{at}three[one])", 3, 7),
+            ("from a variable index of two dimensions, one too many", f"{at}square[one, one])", 4, 7),
+            ("a scalar", f"{at}single)", 1, 0),
+            ("a scalar, one too many", f"{at}single)", 2, 7),
+            ("a pointer to an array", f"array_{name}", 3, 0),
+            ("a pointer to an array, one too many", f"array_{name}", 4, 7),
+            ("an element of what a pointer leads to, one too many", f"ADR(array_{name}^[one])", 3, 7),
             ("a number", f"number_{name}", 3, 0),
             ("NULL", "0", 3, 7),
         ):
@@ -59,12 +66,15 @@ CASES = cases()
 @pytest.fixture(scope="module")
 def plc() -> PLC:
     jobs = "".join(f"    {n}: rtn := {c};\n" for n, (c, _) in enumerate(CASES.values(), 1))
-    numbers = "".join(f"number_{n} := ADR({n}_three);\n" for n in COUNTED)
+    numbers = "".join(f"number_{n} := ADR({n}_three); array_{n} := ADR({n}_three);\n" for n in COUNTED)
+    pointers = "".join(
+        f"number_{n} : DWORD; array_{n} : POINTER TO ARRAY[0..2] OF {m[5]};\n" for n, m in COUNTED.items()
+    )
     plc = PLC.load(f"""
 PROGRAM PLC_PRG
 VAR
-job, rtn : INT; one : INT := 1; {"".join(f"number_{n} : DWORD; " for n in COUNTED)}
-{"".join(declared(n) for n in COUNTED)}END_VAR
+job, rtn : INT; one : INT := 1;
+{pointers}{"".join(declared(n) for n in COUNTED)}END_VAR
 {numbers}CASE job OF
 {jobs}END_CASE
 job := 0;
@@ -82,7 +92,7 @@ def test_every_command_with_a_count_is_here():
 @pytest.mark.parametrize("case", CASES)
 def test_count(plc, case):
     name = case.split(" ")[0]
-    arrays = [f"PLC_PRG.{name}_{a}" for a in ("three", "other", "square")]
+    arrays = [f"PLC_PRG.{name}_{a}" for a in ("three", "other", "square", "single")]
     before, refused = [plc[a] for a in arrays], plc["SIM.refusals"]
     plc["PLC_PRG.job"] = list(CASES).index(case) + 1
     plc.scan()
@@ -92,7 +102,7 @@ def test_count(plc, case):
     if expected:
         last = plc[f"SIM.refused[{refused % 32}]"]
         assert (last["command"], last["code"]) == (name, 7)
-        assert ("array" in last["why"]) == ("NULL" not in case)
+        assert ("variable" in last["why"]) == ("NULL" not in case)
         assert [plc[a] for a in arrays] == before
 
 
@@ -110,6 +120,67 @@ END_PROGRAM""")
     assert plc["PLC_PRG.a3"] == [20.0, 30.0, 40.0] and plc["PLC_PRG.part"] == [-1.0, 30.0, 40.0]
     assert plc.evaluate("GT_GetPrfPos(1, ADR(PLC_PRG.a3), 4)") == 7
     assert plc.evaluate("GT_GetPrfPos(1, ADR(PLC_PRG.a3), 3)") == 0 and plc["PLC_PRG.a3"] == [10.0, 20.0, 30.0]
+
+
+def test_structures_instances_functions_and_arrays_of_arrays():
+    """Wherever the variable lies its end counts; an array inside of an array goes on in its neighbour."""
+    plc = PLC.load("""
+TYPE Row : STRUCT before : LREAL; v : ARRAY[1..2] OF LREAL; after : LREAL; END_STRUCT END_TYPE
+FUNCTION Local : INT
+VAR_INPUT n : INT; END_VAR
+VAR v : ARRAY[0..2] OF LREAL; END_VAR
+Local := GT_GetPrfPos(1, ADR(v), n);
+END_FUNCTION
+FUNCTION Given : INT
+VAR_IN_OUT v : ARRAY[0..2] OF LREAL; END_VAR
+VAR_INPUT i, n : INT; END_VAR
+Given := GT_GetPrfPos(1, ADR(v[i]), n);
+END_FUNCTION
+FUNCTION_BLOCK Own
+VAR_INPUT i, n : INT; END_VAR
+VAR_OUTPUT rtn : INT; END_VAR
+VAR v : ARRAY[0..2] OF LREAL; END_VAR
+rtn := GT_GetPrfPos(1, ADR(v[i]), n);
+END_FUNCTION_BLOCK
+PROGRAM PLC_PRG
+VAR
+    row : ARRAY[0..1] OF Row; own : Own; v : ARRAY[0..2] OF LREAL; w : ARRAY[0..1] OF ARRAY[0..1] OF LREAL;
+    k : INT := 1; rtn : ARRAY[0..13] OF INT;
+END_VAR
+rtn[0] := GT_GetPrfPos(1, ADR(row[k].v), 2);
+rtn[1] := GT_GetPrfPos(1, ADR(row[k].v), 3);
+rtn[2] := GT_GetPrfPos(1, ADR(row[k].v[k + 1]), 2);
+rtn[3] := GT_GetPrfPos(1, ADR(row[k].before), 1);
+rtn[4] := GT_GetPrfPos(1, ADR(row[k].before), 2);
+rtn[5] := Local(3);
+rtn[6] := Local(4);
+rtn[7] := Given(v, 1, 2);
+rtn[8] := Given(v, 1, 3);
+own(i := 2, n := 1);
+rtn[9] := own.rtn;
+own(i := 2, n := 2);
+rtn[10] := own.rtn;
+rtn[11] := GT_GetPrfPos(1, ADR(w[0][k]), 3);
+rtn[12] := GT_GetPrfPos(1, ADR(w[0][k]), 4);
+rtn[13] := GT_GetPrfPos(1, ADR(row[k]), 4);
+END_PROGRAM""")
+    plc.scan()
+    assert plc["PLC_PRG.rtn"] == [0, 7, 7, 0, 7, 0, 7, 0, 7, 0, 7, 0, 7, 0]
+
+
+def test_an_address_in_a_number_is_held_against_the_end_of_all_variables():
+    plc = PLC.load("""
+PROGRAM PLC_PRG
+VAR at : DWORD; element : POINTER TO LREAL; rtn : ARRAY[0..3] OF INT; last : ARRAY[0..7] OF LREAL; END_VAR
+element := at;
+rtn[0] := GT_GetPrfPos(1, at, 2);
+rtn[1] := GT_GetPrfPos(1, at, 3);
+rtn[2] := GT_GetPrfPos(1, element, 2);
+rtn[3] := GT_GetPrfPos(1, element, 3);
+END_PROGRAM""")
+    plc["PLC_PRG.at"] = plc.program.state_end - 16
+    plc.scan()
+    assert plc["PLC_PRG.rtn"] == [0, 7, 0, 7]
 
 
 def test_an_array_of_smaller_elements():

@@ -33,6 +33,8 @@ CASE job OF
     17: rtn := GT_Reset();
     18: rtn := GT_SetAxisBand(1, 2, 40);
     19: rtn := GT_SetPrfPos(1, 12345);
+    20: rtn := GT_ZeroPos(1, 1);
+    21: rtn := GT_GetMtrBias(1, ADR(value));
 END_CASE
 job := 0;
 GT_GetAxisError(1, ADR(error));
@@ -41,7 +43,7 @@ GT_GetDacValue(1, ADR(out));
 END_PROGRAM
 """
 (CLOSED, OPEN, ENABLE, JOG, MOVE, GET_PID, SET_PID, FILTER, BIAS, LIMIT, POS_ERR, INVERT, ENC_OFF, DISABLE, PULSE, DIR,
- RESET, BAND, SET_PRF_POS) = range(1, 20)  # fmt: skip
+ RESET, BAND, SET_PRF_POS, ZERO, GET_BIAS) = range(1, 22)  # fmt: skip
 
 
 class Bench:
@@ -171,6 +173,23 @@ def test_bias_makes_up_for_the_drift_of_the_drive(bench):
     assert bench(BIAS, value=-120) == 0
     bench.plc.run("1s")
     assert abs(bench["error"]) < 1.0 and bench["dac"] == 0 and bench["out"] == -120
+
+
+def test_zeroing_the_position_makes_up_for_the_drift(bench):
+    """11.6, 11.7.2, 13 command 138."""
+    bench.axis.drive.drift = 120
+    bench.plc.run("1s")
+    stood = bench.axis.position
+    assert bench["error"] == pytest.approx(-120.0, abs=1.0)
+    assert bench(ZERO) == 0
+    bench.plc.run("1s")
+    assert bench["error"] == 0.0 and (bench["dac"], bench["out"]) == (0, -120)
+    assert bench.axis.position == pytest.approx(stood, abs=1.0)
+    assert bench(GET_BIAS) == 0 and bench["value"] == -120
+    assert bench(MOVE, vel=50.0, pos=20000) == 0
+    bench.plc.run("2s")
+    assert abs(bench["error"]) < 1.0 and bench.axis.encPos == pytest.approx(20000.0, abs=1.0)
+    assert bench(ZERO) == 0 and bench(GET_BIAS) == 0 and bench["value"] == -120
 
 
 def test_a_move_ends_at_its_target_and_in_position(bench):

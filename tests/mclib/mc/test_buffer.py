@@ -74,11 +74,91 @@ def test_a_velocity_gives_way_when_it_is_reached(bench):
     bench.start("velocity", Velocity=500.0)
     bench.start("second", Position=500.0, BufferMode=BUFFERED)
     assert bench["velocity.Busy"]
-    bench.until("second.Active")
+    bench.until("velocity.InVelocity")
+    assert bench["second.Active"] and bench["velocity.Busy"] and not bench["velocity.Active"]
     assert bench["ax.fSetVelocity"] == pytest.approx(500.0, abs=20)
     bench.scan()
     assert bench["velocity.CommandAborted"] and not bench["velocity.InVelocity"]
     bench.until("second.Done")
+
+
+REACHED = {
+    "velocity": ("InVelocity", {"Velocity": 300.0}), "onward": ("InEndVelocity", {"Position": 50.0, "EndVelocity": 90.0}),
+    "further": ("InEndVelocity", {"Distance": 50.0, "EndVelocity": -90.0}),
+    "smcOnward": ("InEndVelocity", {"Distance": 50.0, "EndVelocity": 90.0}),
+    "smcFurther": ("InEndVelocity", {"Distance": 50.0, "EndVelocity": 90.0}),
+    "torque": ("InTorque", {"Torque": 0.005, "TorqueRamp": 0.5, "Velocity": 500.0}),
+    "gear": ("InGear", {}), "meet": ("InSync", {"MasterSyncPosition": 60.0, "SlaveSyncPosition": 30.0,
+                                                "Velocity": 0.0, "Acceleration": 0.0, "Deceleration": 0.0}),
+    "combine": ("InSync", {}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("block", REACHED)
+@pytest.mark.parametrize("late", [False, True])
+def test_what_gives_way_shows_that_it_was_reached(bench, block, late):
+    """PLCopen Part 1, table 4: this output starts the command that waits, at once where it is TRUE already."""
+    output, inputs = REACHED[block]
+    bench["run.Acceleration"] = bench["run.Deceleration"] = 2000.0
+    bench.start("run", Velocity=200.0, Acceleration=2000.0, Deceleration=2000.0)
+    bench.start(block, **inputs)
+    if late:
+        bench.until(f"{block}.{output}")
+        bench.scan(1 if block == "torque" else 20)
+        assert bench[f"{block}.{output}"]
+    bench.start("third", Position=1000.0, BufferMode=BUFFERED)
+    if not late:
+        assert not bench[f"{block}.{output}"]
+        bench.until(f"{block}.{output}")
+    bench.scan(0 if bench["third.Active"] else 1)
+    assert bench["third.Active"] and bench["scans"] < 600
+    bench.scan()
+    assert bench[f"{block}.CommandAborted"] and not bench[f"{block}.{output}"] and not bench[f"{block}.Busy"]
+    bench.until("third.Done")
+    assert bench["ax.fSetPosition"] == 1000.0
+
+
+def test_an_override_of_0_is_nothing_reached(bench):
+    bench["override.Enable"] = True
+    bench.start("onward", 150, Position=100.0, EndVelocity=50.0)
+    bench.start("third", 30, Position=400.0, BufferMode=BUFFERED)
+    bench.until("third.Done")
+    bench.start("velocity", 200, Velocity=500.0)
+    assert bench["velocity.InVelocity"]
+    bench["override.VelFactor"] = 0.0
+    bench.scan(100)
+    assert bench["ax.fSetVelocity"] == 0.0 and not bench["velocity.InVelocity"]
+    bench.start("third", 30, Position=900.0, BufferMode=BUFFERED)
+    assert not bench["third.Active"] and bench["velocity.Active"] and bench.state == "continuous"
+    bench["override.VelFactor"] = 0.5
+    bench.until("velocity.InVelocity")
+    assert bench["ax.fSetVelocity"] == pytest.approx(250.0, abs=10.0)
+    bench.until("third.Done")
+
+
+def test_an_override_after_the_target_of_a_continuous_move_scales_its_end_velocity(bench):
+    bench["override.Enable"] = True
+    bench.start("smcOnward", Distance=-100.0, EndVelocity=50.0)
+    bench.until("smcOnward.InEndVelocity")
+    for factor in (0.5, 0.0, 1.0):
+        bench.scan(200)
+        bench["override.VelFactor"] = factor
+        bench.scan(20)
+        assert bench["ax.fSetVelocity"] == pytest.approx(-50.0 * factor), factor
+        assert bench["smcOnward.InEndVelocity"] == (factor > 0) and bench.state == "continuous"
+
+
+def test_continuous_update_of_an_end_velocity(bench):
+    bench.start("onward", 20, Position=100.0, EndVelocity=50.0, ContinuousUpdate=True)
+    bench["onward.EndVelocity"] = 200.0
+    bench.until("onward.InEndVelocity")
+    assert bench["ax.fSetVelocity"] == pytest.approx(200.0) and bench["ax.fSetPosition"] == pytest.approx(100.0, abs=1)
+    bench["onward.EndVelocity"] = -30.0
+    bench.scan(50)
+    assert bench["ax.fSetVelocity"] == -30.0 and bench["onward.InEndVelocity"]
+    bench["onward.Acceleration"] = 500.0
+    bench.scan()
+    assert bench["onward.InEndVelocity"]
 
 
 def test_relative_waits_and_counts_from_the_end_before(bench):

@@ -260,3 +260,29 @@ def test_one_input_is_seen_by_the_block_and_by_the_drive(tmp_path):
     plc.scan(2)
     assert plc["probe.Done"] and plc["probe.RecordedPosition"] == at
     assert read(plc, 4, 0x60BA) == int(at) and int(read(plc, 2, 0x60B9)) & 2
+
+
+def test_what_the_process_data_carry_is_not_written_by_number(tmp_path):
+    """The next cycle would overwrite it; 60B8h has parameter 10184, which writes into the process data."""
+    plc = load(tmp_path)
+    plc.scan(5)
+    for length, index, sub in ((1, 0x6060, 0), (2, 0x6071, 0), (4, 0x60FF, 0), (2, 0x60B8, 0), (4, 0x60FE, 1)):
+        assert write(plc, length, index, sub, 3) == 140, hex(index)
+    assert read(plc, 1, 0x6061) == 8
+    plc["write.Execute"] = False
+    plc.scan()
+    give(plc, "write", ParameterNumber=10184, Value=0x0511)
+    assert plc["write.Done"]
+    plc.scan(20)
+    assert read(plc, 2, 0x60B8) == 0x0511
+    plc["write.Execute"] = False
+    plc.scan()
+    give(plc, "write", ParameterNumber=10184, Value=65536)
+    assert plc["write.ErrorID"] == 143 and read(plc, 2, 0x60B8) == 0x0511
+
+
+def test_a_drive_that_maps_less_takes_more_by_number(tmp_path):
+    plc = load(tmp_path, AXIS + "[ecat]\n[[ecat.slave]]\nkind = 'gthd'\naxis = 3\n")
+    plc.scan(5)
+    assert write(plc, 2, 0x60B8, 0, 0x11) == 0 and read(plc, 2, 0x60B8) == 0x11
+    assert write(plc, 2, 0x6040, 0, 6) == 140

@@ -106,7 +106,7 @@ def test_a_profile_that_ends_in_motion(bench):
     bench.plc.run("200ms")
     assert bench["profile.Done"]
     if bench.dialect == "codesys":
-        assert bench.state == ERRORSTOP and bench["ax.dwErrorID"] == 805
+        assert bench.state == ERRORSTOP and bench["ax.dwErrorID"] == 30001
     else:
         assert bench.state == CONTINUOUS and bench["ax.fSetVelocity"] == pytest.approx(20.0)
 

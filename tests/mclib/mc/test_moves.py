@@ -166,7 +166,7 @@ def test_a_profile_that_ends_in_motion_needs_a_command(bench):
     bench["calm"] = False
     bench.until("velocities.Done")
     bench.scan(3)
-    assert bench.state == "errorstop" and bench["ax.dwErrorID"] == 805
+    assert bench.state == "errorstop" and bench["ax.dwErrorID"] == 30001
 
 
 def test_a_profile_that_ends_in_motion_may_be_followed(bench):
@@ -231,29 +231,31 @@ def test_read_blocks(bench):
 
 
 def test_a_profile_takes_changed_inputs(bench):
-    """ContinuousUpdate: the rest of the profile is run with the new values, in the time that is left."""
+    """ContinuousUpdate: the running segment keeps its goal and its time, the next ones take the new values."""
     bench.profile("velocities", [(100, 300.0), (200, 300.0), (100, 100.0), (100, 0.0)], ContinuousUpdate=True)
     bench.scan(199)  # in the middle of the second segment
     bench["velocities.VelocityScale"] = 2.0
     bench["velocities.Offset"] = 50.0
     bench.scan(100)
-    assert bench["ax.fSetVelocity"] == pytest.approx(650.0)
+    assert bench["ax.fSetVelocity"] == pytest.approx(300.0)
+    bench.scan(50)
     bench["velocities.TimeScale"] = 2.0
-    bench.scan(100)
-    assert bench["ax.fSetVelocity"] == pytest.approx(450.0)  # half of the way from 650 to 250
+    bench.scan(50)
+    assert bench["ax.fSetVelocity"] == pytest.approx(250.0)
+    bench.scan(50)
     bench["velocities.ContinuousUpdate"] = False
     bench["velocities.Offset"] = 0.0
-    bench.scan(100)
-    assert bench["ax.fSetVelocity"] == pytest.approx(250.0)
+    bench.scan(50)
+    assert bench["ax.fSetVelocity"] == pytest.approx(150.0)  # half of the way from 250 to 50 in twice the time
 
 
 def test_an_acceleration_profile_takes_changed_inputs(bench):
-    bench.profile("accelerations", [(100, 2000.0), (200, 2000.0), (100, 0.0), (100, 0.0)], ContinuousUpdate=True)
+    bench.profile("accelerations", [(100, 2000.0), (200, 2000.0), (100, 1000.0), (100, 0.0)], ContinuousUpdate=True)
     bench.scan(199)
     bench["accelerations.AccelerationScale"] = 0.5
-    bench.scan(100)
-    assert bench["ax.fSetAcceleration"] == pytest.approx(1000.0)
-    assert bench["ax.fSetVelocity"] == pytest.approx(100.0 + 200.0 + 150.0)
+    bench.scan(200)
+    assert bench["ax.fSetAcceleration"] == pytest.approx(500.0)
+    assert bench["ax.fSetVelocity"] == pytest.approx(100.0 + 400.0 + 125.0)
 
 
 @pytest.mark.parametrize("absolute", [True, False])
@@ -263,14 +265,20 @@ def test_a_position_profile_takes_changed_inputs(bench, absolute):
     bench.scan(99)
     bench["positions.Offset"] = -10.0
     bench["positions.PositionScale"] = 0.8
-    bench.scan(100)
-    assert bench["ax.fSetPosition"] == pytest.approx(70.0)
-    bench["positions.PositionScale"] = -1.0  # is none
-    bench.scan(100)
-    bench["positions.PositionScale"] = 0.8
     bench["positions.TimeScale"] = 0.7
-    assert bench.until("positions.Done") == pytest.approx(141, abs=1)
+    bench.scan(100)
+    assert bench["ax.fSetPosition"] == pytest.approx(100.0)
+    bench.scan(20)
+    bench["positions.PositionScale"] = 3.0  # too late
+    assert bench.until("positions.Done") == pytest.approx(191, abs=1)
     assert bench["ax.fSetPosition"] == pytest.approx(150.0) and bench.state == "standstill"
+
+
+def test_a_profile_leaves_changed_inputs_alone_that_are_none(bench):
+    bench.profile("positions", [(100, 10.0), (100, 20.0)], ContinuousUpdate=True)
+    bench["positions.PositionScale"], bench["positions.TimeScale"] = -1.0, 0.0
+    assert bench.until("positions.Done") == pytest.approx(200, abs=1)
+    assert bench["ax.fSetPosition"] == pytest.approx(20.0)
 
 
 def test_a_profile_that_waits_begins_from_where_the_axis_then_is(bench):
@@ -307,15 +315,3 @@ def test_superimposed_takes_changed_inputs(bench, base):
     if base:
         bench.until("first.Done")
     assert bench["ax.fSetPosition"] == pytest.approx(2080.0 if base else 80.0)
-
-
-def test_a_profile_is_not_changed_late_in_a_segment(bench):
-    """In its last half a segment keeps goal and time; the next one takes the new values, in its own time."""
-    bench.profile("positions", [(100, 10.0), (100, 20.0)], ContinuousUpdate=True)
-    bench.scan(89)
-    bench["positions.PositionScale"] = 2.0
-    bench["positions.TimeScale"] = 2.0
-    bench.scan(10)
-    assert bench["ax.fSetPosition"] == pytest.approx(10.0)
-    bench.until("positions.Done")
-    assert bench["ax.fSetPosition"] == pytest.approx(40.0) and bench["scans"] - 11 == 300

@@ -66,6 +66,8 @@ def test_gear_errors(bench):
     assert bench["gear.ErrorID"] == 675 and bench.state == "standstill"
     bench.start("gear", RatioDenominator=1, Acceleration=0.0)
     assert bench["gear.ErrorID"] == 676
+    bench.start("gear", Acceleration=1.0, Deceleration=-1.0)
+    assert bench["gear.ErrorID"] == 677
 
 
 def test_gear_in_pos_meets_the_master(bench):
@@ -240,7 +242,7 @@ def test_a_cam_is_not_jumped_to(bench):
     bench.until("first.Done")
     cam(bench, RISE)
     camin(bench)
-    assert bench["cam.ErrorID"] == 601 and bench.state == "standstill"
+    assert bench["cam.ErrorID"] == 40 and bench.state == "standstill"
     camin(bench, StartMode=2, VelocityDiff=100.0)
     assert bench["cam.Busy"] and not bench["cam.InSync"]
     bench.until("cam.InSync")
@@ -248,10 +250,21 @@ def test_a_cam_is_not_jumped_to(bench):
 
 
 def test_lines_and_wrong_tables(bench):
-    cam(bench, [(0, 0), (100, 50), (50, 0)])
-    assert bench["select.ErrorID"] == 600
+    nan = float("nan")
+    for wrong in ([(0, 0), (100, 50), (50, 0)], [(0, 0)], [(nan, 0), (100, 0)], [(0, 0), (100, nan)]):
+        cam(bench, wrong)
+        assert bench["select.ErrorID"] == 752, wrong  # SMC_CAM_TABLE_EMPTY_MASTER_RANGE
+    cam(bench, [(0, 0), (100, 50)], 4)
+    assert bench["select.ErrorID"] == 750  # SMC_NO_CAM_REF_TYPE
+    bench.start("cam")
+    assert bench["cam.ErrorID"] == 625  # SMC_CI_NO_CAM_SELECTED
     cam(bench, [(0, 0), (100, 50), (200, 150)], 2, Periodic=False)
-    camin(bench)
+    camin(bench, MasterScaling=0.0)
+    assert bench["cam.ErrorID"] == 628  # SMC_CI_SCALING_INCORRECT
+    bench["cam.MasterScaling"] = 1.0
+    camin(bench, StartMode=2, VelocityDiff=0.0)
+    assert bench["cam.ErrorID"] == 627  # SMC_CI_RAMPIN_NEEDS_VELACC_VALUES
+    camin(bench, StartMode=0)
     bench["calm"] = False
     bench.start("carry", Position=150.0)
     bench.until("carry.Done")
@@ -291,14 +304,16 @@ def test_a_coupling_that_waits_begins_when_the_first_is_in_gear(bench):
     moves(bench)
     assert bench["gear.Active"] and bench["combine.Busy"] and not bench["combine.Active"]
     assert not bench["gear.InGear"] and bench["ax.fSetVelocity"] < 800.0
-    bench.until("gear.CommandAborted", 200)
-    assert bench["ax.fSetVelocity"] == pytest.approx(800.0)
+    bench.until("gear.InGear", 200)
+    assert bench["ax.fSetVelocity"] == pytest.approx(800.0) and bench["gear.Busy"]
     moves(bench)
     assert bench["combine.Active"] and bench.outputs("gear") == "CommandAborted"
-    bench.until("combine.CommandAborted", 400)
+    bench.until("combine.InSync", 400)
     assert bench["ax.fSetVelocity"] == pytest.approx(500.0, abs=11.0)
+    bench.scan()
+    assert bench.outputs("combine") == "CommandAborted"
     bench.until("halt.Done")
-    assert bench.state == "standstill" and bench.outputs("combine") == "CommandAborted"
+    assert bench.state == "standstill"
 
 
 def test_a_coupling_that_waits_behind_a_move_and_another_coupling(bench):
@@ -333,7 +348,9 @@ def test_a_command_waits_for_the_end_of_a_cam(bench):
     assert bench["cam.Active"] and bench["cam.InSync"] and not bench["first.Active"]
     bench.until("first.Active", 1200)
     assert bench["master.fSetPosition"] == pytest.approx(400.0, abs=1.0)
-    assert bench.outputs("cam") == "CommandAborted"
+    bench.until("cam.EndOfProfile", 2)
+    bench.scan()
+    assert bench.outputs("cam") == "CommandAborted" and not bench["cam.EndOfProfile"]
     bench.until("first.Done")
     assert bench["ax.fSetPosition"] == 60.0
 
@@ -367,6 +384,23 @@ def test_a_gear_takes_changed_inputs(bench):
     bench["gear.RatioDenominator"] = 4
     bench.scan(10)
     assert bench["ax.fSetVelocity"] == pytest.approx(800.0)
+
+
+def test_a_gear_takes_another_source_of_the_masters_values(bench):
+    """The motor of the master runs 100 ms behind: it still has half of the velocity or less."""
+    bench.plc["SIM.Axis[2].drive.lag"] = 100.0
+    bench.start("gear", 2, ContinuousUpdate=True, **GEAR)
+    bench.start("run", 40, Velocity=200.0, Acceleration=20000.0)
+    assert bench["gear.InGear"] and bench["ax.fSetVelocity"] == 200.0
+    bench["gear.MasterValueSource"] = 1  # the motor, slower by about 200 * exp(-0.035 / 0.1)
+    bench.scan(2)
+    assert not bench["gear.InGear"]
+    bench.until("gear.InGear")
+    assert bench["ax.fSetVelocity"] == pytest.approx(bench["master.fActVelocity"]) and bench["ax.fSetVelocity"] < 150.0
+    bench["gear.ContinuousUpdate"] = False
+    bench["gear.MasterValueSource"] = 0
+    bench.scan(20)
+    assert bench["ax.fSetVelocity"] == pytest.approx(bench["master.fActVelocity"]) and bench["gear.InGear"]
 
 
 def test_combined_axes_take_changed_ratios(bench):

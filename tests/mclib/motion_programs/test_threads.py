@@ -16,6 +16,8 @@ CALLS = (
     "GT_SetVarValue(k, ADR(item), ADR(r), j)", "GT_GetVarValue(k, ADR(item), ADR(r), j)",
     "GT_GetVarValue(k, ADR(item), ADR(d), j)", "GT_SetVarValue(k, ADR(item), ADR(d), j)", "GT_SetDataPage(i, j)",
     "GT_GetVarValue(k, ADR(item), ADR(few), j)", "GT_SetVarValue(k, ADR(item), ADR(few), j)",
+    "GT_GetVarValue(k, ADR(item), ADR(pair), j)", "GT_GetVarValue(k, ADR(item), ADR(pair[0]), j)",
+    "GT_GetVarValue(k, ADR(item), ADR(long), j)",
     "GT_Delay(10)", "GT_DelayHighPrecision(10)",
 )  # fmt: skip
 PROGRAM = f"""
@@ -23,6 +25,7 @@ PROGRAM PLC_PRG
 VAR
     job, rtn, i, j, k : INT; name : STRING(200); owner : STRING(31); info : TCompileInfo; item : TVarInfo;
     sts : TThreadSts; r : ARRAY[0..7] OF LREAL; d : DINT; few : ARRAY[0..2] OF DINT;
+    pair : ARRAY[0..1] OF LREAL; long : ARRAY[0..7] OF DINT;
     text, message : STRING(200); line : INT;
 END_VAR
 CASE job OF
@@ -288,6 +291,18 @@ def test_values_stay_in_the_array_that_the_pointer_leads_to(threads):
     assert threads("GT_GetVarValue(k, ADR(item), ADR(few)", k=-1, j=3) == 0 and threads["few"] == [1, 2, 3]
     assert threads("GT_SetVarValue(k, ADR(item), ADR(few)", k=-1, j=4, few=[7, 8, 9]) == 7
     assert threads("GT_GetVarValue(k, ADR(item), ADR(r)", k=-1, j=4) == 0 and threads["r"][:4] == [1, 2, 3, 4]
+    for pointer in ("pair)", "pair[0])"):  # eight bytes a value (13 commands 76, 126: double)
+        assert threads(f"GT_GetVarValue(k, ADR(item), ADR({pointer}", k=-1, j=3) == 7 and threads["pair"] == [0, 0]
+    assert threads("GT_GetVarValue(k, ADR(item), ADR(pair)", k=-1, j=2) == 0 and threads["pair"] == [1, 2]
+
+
+def test_six_values_a_call_eight_where_they_are_dint(threads):
+    """13 commands 76, 126: count 1..6; the advanced manual, whose values are long: 1..8."""
+    threads.run("a[7] = 8;", "a", "int a[8];")
+    assert threads("GT_GetVarValue(k, ADR(item), ADR(r)", k=-1, j=6) == 0
+    assert threads("GT_GetVarValue(k, ADR(item), ADR(r)", k=-1, j=7) == 7
+    assert threads("GT_GetVarValue(k, ADR(item), ADR(long)", k=-1, j=8) == 0 and threads["long"][7] == 8
+    assert threads("GT_GetVarValue(k, ADR(item), ADR(long)", k=-1, j=9) == 7
 
 
 def test_a_program_is_lost_at_power_off(threads):

@@ -174,8 +174,8 @@ def loop(tmp_path):
     (tmp_path / "p.st").write_text(f"PROGRAM P\nVAR n, i, k : INT; END_VAR\n{text}\nEND_PROGRAM")
     debugger = Debugger(PLC.load(tmp_path / "p.st"))
     debugger.attach()
-    called, usual = [], debugger._probed.on_probe
-    debugger._probed.on_probe = lambda *where: (called.append(where), usual(*where))
+    called, usual = [], debugger._engine.machine.on_probe
+    debugger._engine.machine.on_probe = lambda *where: (called.append(where), usual(*where))
     debugger.calls = called
     return debugger
 
