@@ -148,9 +148,8 @@ def _module(emitter: _Emitter, function: FunctionEmitter, tree, scene, at: int, 
     data, size = emitter.data(at, room)
     program = emitter.project.names.program
     stack = f"(global $span i32 (i32.const {program.stack_top - NULL_PAGE}))"
-    stack += f" (global $behind i32 (i32.const {program.state_end}))"
     stack += f" (global $stack i32 (i32.const {program.image_end + SIDE_SIZE}))"
-    code = "\n".join([start, *emitter.functions, text])
+    code = "\n".join([start, *emitter.functions, emitter.room_at(program.state_end), text])
     module = [
         f"(module ${SIDE}", '(import "plc" "memory" (memory 1)) (import "plc" "sp" (global $sp (mut i32)))',
         *emitter.imported.values(), _helpers(code), stack, code, '(export "side" (func $side))', data, ")",

@@ -18,7 +18,7 @@ from stcore.check.statements import Statements
 from stcore.declare import Declarer, Pending
 from stcore.diagnostics import Reporter
 from stcore.project import Project
-from stcore.scope import Pou, Var
+from stcore.scope import Pou, Var, key
 from stcore.source import Source
 
 if TYPE_CHECKING:
@@ -39,6 +39,7 @@ class CheckedProject(Project):
         self.reached: dict[Pou, None] = {}
         self.looked_into: set[t.Struct] = set()  # for blocks among its members
         self.queue: list[Pou] = []
+        self.left_out: list[Pou] = []  # functions of the library that work for another one alone, which nothing needs
         self.own_only = False  # leave the bodies of the library unchecked: only diagnostics are wanted
         self.library_globals: set[Var] = set()
         self.instances: dict[tuple, Pou] = {}
@@ -74,9 +75,14 @@ class CheckedProject(Project):
                     self.reach(pou)
             while self.queue:
                 self._check(self.queue.pop())
+            self.queue = [pou for pou in self.left_out if self._is_wanted(pou)]
+            self.left_out = [pou for pou in self.left_out if pou not in self.queue]
 
     def _check(self, pou: Pou) -> None:
         if pou.checked or pou.library and self.own_only:
+            return
+        if not self._is_wanted(pou):
+            self.left_out.append(pou)
             return
         pou.checked = True
         checker = Checker(self, pou.source, pou, pou.library)
@@ -86,6 +92,11 @@ class CheckedProject(Project):
             self.reach_type(var.type)
         checker.initial_values()
         checker.check_pou()
+
+    def _is_wanted(self, pou: Pou) -> bool:
+        """False while nothing needs the function that this one works for (attribute only_with)."""
+        other = self.library.get(key(pou.attributes.get("only_with", ""))) if pou.library else None
+        return "only_with" not in pou.attributes or other is not None and other.symbol in self.reached
 
     def spread_writes(self) -> None:
         """A POU writes outside itself when one that it uses does; that one may have been checked after it."""

@@ -110,7 +110,8 @@ class Conversions(Printed):
             made.type = target
             return made
         if self._compatible_aggregates(node, source, target):
-            return self._wrapped(node, target) if isinstance(target, t.String | t.Pointer) else node
+            longer = isinstance(source, t.Pointer) and target.size == 8
+            return self._wrapped(node, target) if longer or isinstance(target, t.String | t.Pointer) else node
         if isinstance(target, t.String) and target.wide and isinstance(node.const, str):
             node.type = target
             return node

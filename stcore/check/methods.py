@@ -9,7 +9,7 @@ from stcore import types as t
 from stcore.check.calls import Calls, FunctionCall, is_borrowed
 from stcore.check.conversions import same
 from stcore.near import near
-from stcore.scope import MethodOf, Pou, PropertyOf, Var, key, member_of
+from stcore.scope import MethodOf, Pou, PropertyOf, key, member_of
 
 
 @dataclass(eq=False, slots=True)

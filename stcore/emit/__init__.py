@@ -64,6 +64,8 @@ class ModuleEmitter:
         for area, used in project.areas.items():
             self.areas[area] = project.allocate(align(used, 8), 8)
         self.constants_at = align(project.top, 8)
+        self.addressed: set[tuple[int, int]] = set()  # variables whose address is taken: where each begins and ends
+        self.rooms = False  # $room_at is called
 
     # ------------------------------------------------------------------------------- what functions ask
 
@@ -115,6 +117,16 @@ class ModuleEmitter:
         address = self.constants_at + len(self.constants)
         self.constants += data
         return address
+
+    def room_at(self, end: int) -> str:
+        """The function that gives where the variable ends that an address lies in: the outermost of those whose address
+        is taken somewhere; else `end`, that of all variables."""
+        tests = "".join(
+            f" (if (i32.lt_u (i32.sub (local.get 0) (i32.const {low})) (i32.const {high - low}))"
+            f" (then (return (i32.const {high}))))"
+            for low, high in sorted(self.addressed, key=lambda x: (x[0] - x[1], x))
+        )
+        return f"(func $room_at (param i32) (result i32){tests} (i32.const {end}))" if self.rooms else ""
 
     def template(self, var: Var) -> int:
         """The address of the initial bytes of a function's variable; 0 when they are all zero."""
@@ -168,13 +180,13 @@ class ModuleEmitter:
         self.stack_top = limit
         parts += [
             f"(global $span i32 (i32.const {limit - NULL_PAGE}))",
-            f"(global $behind i32 (i32.const {self.constants_at}))",
             f"(global $stack i32 (i32.const {self.image_end + SIDE_SIZE}))",
             f"(global (export \"stack_top\") i32 (i32.const {limit}))",
             scan,
             start,
             *self.functions,
             *self.dispatch.functions.values(),
+            self.room_at(self.constants_at),
             *(f'(export "{symbol[1:]}" (func {symbol}))' for symbol in self.needed),
             ")",
         ]

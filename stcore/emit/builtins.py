@@ -133,18 +133,23 @@ def _adr(e, node: s.Call, call: BuiltinCall) -> str:
     arg = call.args[0]
     if isinstance(arg.const, str):
         return e.value(arg)
+    e.take_address(arg)
     return e.address_of(arg)
 
 
 def _room(e, node: s.Call, call: BuiltinCall) -> str:
-    """The address behind a variable; without one the end of all variables (stcore/check/room.py)."""
-    if not call.args:
-        return "(global.get $behind)"
+    """The address behind a variable (stcore/check/room.py)."""
     place = call.args[0]
     if isinstance(place, s.Deref) and place.base.symbol != "this":
         return f"(i32.add {e.value(place.base)} (i32.const {place.type.size}))"  # not followed: it may be NULL
     base, offset = e.place(place)
     return address(base, offset + place.type.size)
+
+
+def _room_at(e, node: s.Call, call: BuiltinCall) -> str:
+    """The address behind the variable that an address lies in."""
+    e.module.rooms = True
+    return f"(call $room_at {e.narrow(call.args[0]) if call.args else '(i32.const 0)'})"
 
 
 def _memmove(e, node: s.Call, call: BuiltinCall) -> str:
@@ -196,7 +201,7 @@ def _sqrt(e, node: s.Call, call: BuiltinCall) -> str:
 EMIT: dict[str, Callable] = {
     "ABS": _abs, "SQRT": _sqrt, "MIN": _extreme("lt"), "MAX": _extreme("gt"), "LIMIT": _limit, "SEL": _sel, "MUX": _mux,
     "TRUNC": _trunc, "TRUNC_INT": _trunc, "SHL": _shift, "SHR": _shift, "ROL": _rotate, "ROR": _rotate, "ADR": _adr,
-    "__ROOM": _room,
+    "__ROOM": _room, "__ROOM_AT": _room_at,
     "LOWER_BOUND": _bound, "UPPER_BOUND": _bound, "MEMMOVE": _memmove, "MEMSET": _memset,
     "__ISVALIDREF": lambda e, node, call: f"(i32.ne {e.value(call.args[0])} (i32.const 0))",
     "__FLOOR": _instruction("f64.floor"), "__CEIL": _instruction("f64.ceil"),

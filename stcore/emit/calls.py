@@ -198,11 +198,13 @@ class Calls(Expressions):
                     self.line(store(t.DINT, base, offset + parameter.address + 4 + 4 * i, bound))
         self.mark(node, note=self.source.text[node.callee.start : node.callee.end])
         if call.pou.kind == "PROGRAM":
+            self.forget(node)
             self.line(f"(call {self.module.need_instance(call.pou, None, offset)})")
         elif self._decides(call):
             name = self.module.dispatch.body(call.pou, lambda: self.marker(node, "F0109", call.pou.name))
             self.line(f"(call {name} {address(base, offset)})")
         elif not self.inline_block(call.pou, base, offset, places, given):
+            self.forget(node)
             self.module.need(call.pou)
             self.line(f"(call {call.pou.symbol} {address(base, offset)})")
         for parameter, place in call.outputs:

@@ -56,7 +56,8 @@ class Copies:
                     found.store(node)
                 else:
                     found.call(node)
-                emitter.recent = {v: name for v, name in emitter.recent.items() if not found.unseen(v)}
+                changed = found.unseen if emitter is self else lambda v, found=found: not found.steady(v)
+                emitter.recent = {v: name for v, name in emitter.recent.items() if not changed(v)}
             emitter = emitter.caller
 
     @staticmethod

@@ -143,6 +143,9 @@ class FunctionEmitter(Inlining):
             params, results = self._parameters()
         if pou.type is not None and self.static_base is None:
             params.insert(0, "(param $this i32)")
+        if not pou.checked:  # left out: nothing that could call it is in the program (attribute only_with)
+            stop = f"{self.marker(pou.tree, 'F0107')} (call $fault) unreachable"
+            return self._assemble(name, params, results, [], [stop])
         self._own_variables()
         self._in_outs()
         prologue, self.lines = self.lines, []

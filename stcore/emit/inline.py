@@ -36,7 +36,8 @@ class Inlinable:
     def suits(self, pou: Pou) -> bool:
         if pou in self.called:
             return False
-        if pou.kind == "PROGRAM" or pou.external or any(getattr(p.type, "open", 0) for p in pou.parameters):
+        open_array = any(getattr(p.type, "open", 0) for p in pou.parameters)
+        if pou.kind == "PROGRAM" or pou.external or open_array or not pou.checked:
             self.called.add(pou)
             return False
         return self.size(pou) <= (ONCE if pou.calls == 1 else SMALL)

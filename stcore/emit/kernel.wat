@@ -39,7 +39,22 @@
 
 ;; --- strings: bytes (STRING) or 16-bit units (WSTRING) up to a zero
 
-(func $str_copy (param $to i32) (param $from i32) (param $room i32) (local $c i32)
+;; eight bytes at a time as long as none of them is the zero
+(func $str_copy (param $to i32) (param $from i32) (param $room i32) (local $c i32) (local $eight i64)
+  (block $last
+    (loop $next
+      (br_if $last (i32.lt_u (local.get $room) (i32.const 8)))
+      (local.set $eight (i64.load (local.get $from)))
+      (br_if $last
+        (i64.ne (i64.const 0)
+          (i64.and
+            (i64.and (i64.sub (local.get $eight) (i64.const 0x0101010101010101)) (i64.const 0x8080808080808080))
+            (i64.xor (local.get $eight) (i64.const -1)))))
+      (i64.store (local.get $to) (local.get $eight))
+      (local.set $to (i32.add (local.get $to) (i32.const 8)))
+      (local.set $from (i32.add (local.get $from) (i32.const 8)))
+      (local.set $room (i32.sub (local.get $room) (i32.const 8)))
+      (br $next)))
   (block $end
     (loop $next
       (br_if $end (i32.eqz (local.get $room)))

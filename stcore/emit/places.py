@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from stcore import syntax as s
 from stcore import types as t
+from stcore.check.room import whole
 from stcore.emit.copies import Copies
 from stcore.emit.values import address, load
 from stcore.scope import Convert, Pinned, Pou, Var
@@ -52,6 +53,16 @@ class Places(Copies):
             made = Pinned(node.start, node.end, f"(local.get {name})", offset)
         made.type = node.type
         return made
+
+    def take_address(self, node: s.Node) -> None:
+        """ADR: note where the variable lies, if that is the same at every time."""
+        outer = inner = whole(node)
+        while isinstance(inner, s.Member):
+            inner = inner.base
+        if isinstance(inner, s.Name) and not isinstance(inner.symbol, Pou):
+            base, offset = self.place(outer)
+            if not base:
+                self.module.addressed.add((offset, offset + outer.type.size))
 
     def this_place(self) -> tuple[str, int]:
         """The instance whose code this is."""

@@ -54,6 +54,9 @@ def cases() -> dict[str, tuple[str, int]]:
             ("a pointer to an array, one too many", f"array_{name}", 4, 7),
             ("an element of what a pointer leads to, one too many", f"ADR(array_{name}^[one])", 3, 7),
             ("a number", f"number_{name}", 3, 0),
+            ("a number, one too many", f"number_{name}", 4, 7),
+            ("a pointer to an element", f"element_{name}", 2, 0),
+            ("a pointer to an element, one too many", f"element_{name}", 3, 7),
             ("NULL", "0", 3, 7),
         ):
             found[f"{name} {what}"] = (call(name, pointer, count), code)
@@ -66,9 +69,11 @@ CASES = cases()
 @pytest.fixture(scope="module")
 def plc() -> PLC:
     jobs = "".join(f"    {n}: rtn := {c};\n" for n, (c, _) in enumerate(CASES.values(), 1))
-    numbers = "".join(f"number_{n} := ADR({n}_three); array_{n} := ADR({n}_three);\n" for n in COUNTED)
+    numbers = "".join(f"number_{n} := ADR({n}_three); array_{n} := ADR({n}_three);"
+                      f"element_{n} := ADR({n}_three[one]);\n" for n in COUNTED)  # fmt: skip
     pointers = "".join(
-        f"number_{n} : DWORD; array_{n} : POINTER TO ARRAY[0..2] OF {m[5]};\n" for n, m in COUNTED.items()
+        f"number_{n} : DWORD; array_{n} : POINTER TO ARRAY[0..2] OF {m[5]}; element_{n} : POINTER TO {m[5]};\n"
+        for n, m in COUNTED.items()
     )
     plc = PLC.load(f"""
 PROGRAM PLC_PRG
@@ -168,7 +173,7 @@ END_PROGRAM""")
     assert plc["PLC_PRG.rtn"] == [0, 7, 7, 0, 7, 0, 7, 0, 7, 0, 7, 0, 7, 0]
 
 
-def test_an_address_in_a_number_is_held_against_the_end_of_all_variables():
+def test_an_address_that_no_adr_has_given_is_held_against_the_end_of_all_variables():
     plc = PLC.load("""
 PROGRAM PLC_PRG
 VAR at : DWORD; element : POINTER TO LREAL; rtn : ARRAY[0..3] OF INT; last : ARRAY[0..7] OF LREAL; END_VAR
@@ -181,6 +186,30 @@ END_PROGRAM""")
     plc["PLC_PRG.at"] = plc.program.state_end - 16
     plc.scan()
     assert plc["PLC_PRG.rtn"] == [0, 7, 0, 7]
+
+
+def test_an_address_of_a_part_leads_into_the_whole_where_that_is_taken_too():
+    plc = PLC.load("""
+TYPE Row : STRUCT before : LREAL; v : ARRAY[1..2] OF LREAL; END_STRUCT END_TYPE
+FUNCTION Read : INT
+VAR_INPUT at : DWORD; n : INT; END_VAR
+Read := GT_GetPrfPos(1, at, n);
+END_FUNCTION
+PROGRAM PLC_PRG
+VAR one, two : Row; wide : LWORD; rtn : ARRAY[0..7] OF INT; taken : DWORD; END_VAR
+rtn[0] := Read(ADR(one.v), 2);
+rtn[1] := Read(ADR(one.v), 3);
+rtn[2] := Read(ADR(one.before), 1);
+rtn[3] := Read(ADR(one.before), 2);
+taken := ADR(two);
+rtn[4] := Read(ADR(two.before), 3);
+rtn[5] := Read(ADR(two.before), 4);
+wide := ADR(two.v);
+rtn[6] := GT_GetPrfPos(1, LWORD_TO_DWORD(wide), 3);
+rtn[7] := Read(0, 1);
+END_PROGRAM""")
+    plc.scan()
+    assert plc["PLC_PRG.rtn"] == [0, 7, 0, 7, 0, 7, 7, 7]
 
 
 def test_an_array_of_smaller_elements():

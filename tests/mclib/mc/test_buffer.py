@@ -261,3 +261,46 @@ def test_a_way_of_no_length_between_two_moves_takes_no_time(bench):
     bench.scan(27)
     assert bench["third.Active"] and bench["scans"] - begin == 30
     assert bench["ax.fSetVelocity"] == pytest.approx(-10.0 * (30 - 10.2))
+
+
+def test_a_waiting_block_that_is_refused_waits_no_more(bench):
+    bench.start("first", Position=200.0)
+    bench.start("second", Position=400.0, BufferMode=HIGH)
+    bench.start("third", Position=300.0, BufferMode=BUFFERED)
+    bench.start("second", Velocity=0.0, BufferMode=HIGH)
+    assert bench["second.Error"] and not bench["second.Busy"]
+    bench.until("first.Done")
+    assert bench["third.Active"] and abs(bench["ax.fSetVelocity"]) < 11.0  # nothing blends into 'first' any more
+    bench.until("third.Done")
+    bench.scan(5)
+    assert bench["ax.fSetPosition"] == 300.0 and bench.state == "standstill" and bench["second.Error"]
+
+
+def test_a_waiting_home_that_is_refused_does_not_home(bench):
+    bench.start("first", Position=200.0)
+    bench.start("home", Position=7.0, BufferMode=BUFFERED)
+    bench.start("home", BufferMode=ABORTING)
+    assert bench["home.ErrorID"] == 170  # SMC_H_AXIS_WASNT_STANDSTILL
+    bench.until("first.Done")
+    assert bench["ax.fSetPosition"] == 200.0
+
+
+def test_a_home_behind_a_velocity_is_an_error(bench):
+    """It needs standstill (PLCopen Part 1, figure 2)."""
+    bench.start("velocity", 20, Velocity=500.0)
+    bench.start("home", Position=7.0, BufferMode=BUFFERED)
+    bench["calm"] = False
+    bench.until("home.Error")
+    assert bench["home.ErrorID"] == 170 and bench.state == "errorstop"
+
+
+def test_a_home_behind_a_halt_forgets_what_was_superimposed(bench):
+    bench.start("first", 50, Position=2000.0)
+    bench.start("over", 400, Distance=30.0, VelocityDiff=200.0)
+    bench.start("halt", BufferMode=ABORTING)
+    bench.start("over", Distance=3.0, VelocityDiff=500.0)
+    bench.start("home", Position=7.0, BufferMode=BUFFERED)
+    bench.start("relative", Distance=10.0, BufferMode=BUFFERED)
+    bench["calm"] = False  # homing sets the position
+    bench.until("relative.Done")
+    assert bench["ax.fSetPosition"] == pytest.approx(17.0) and bench["ax.fActPosition"] == pytest.approx(17.0)

@@ -467,3 +467,13 @@ def test_a_cam_switch_by_time_needs_no_last_position(direction, times):
             plc.scan()
             on += plc["P.o.Values"]
     assert plc["P.begun"] == times and on == times * 20
+
+
+def test_nothing_waits_behind_smc_homing(bench):
+    """Its steps are motions that end one by one; behind MC_Home a command may wait."""
+    bench["smcHome.bReferenceSwitch"] = True
+    bench.start("smcHome", 50, fVelocityFast=100.0, fVelocitySlow=10.0, fAcceleration=1e3, fDeceleration=1e3)
+    bench.start("third", Position=50.0, BufferMode=1)
+    assert bench["third.ErrorID"] == 34 and bench.state == "homing"
+    bench.scan(200)
+    assert bench["smcHome.bBusy"] and bench["ax.fSetVelocity"] == -100.0

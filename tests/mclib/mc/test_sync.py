@@ -139,6 +139,15 @@ def test_gear_in_pos_keeps_its_limits(bench, limits, error):
         assert bench["ax.fSetPosition"] == 0.0
 
 
+def test_gear_in_pos_does_not_jump(bench):
+    """The master is at the place within a cycle, the slave is not."""
+    bench.start("run", 100, Velocity=400.0)
+    start = bench["master.fSetPosition"]
+    limits = {"Velocity": 0.0, "Acceleration": 0.0, "Deceleration": 0.0}
+    bench.start("meet", MasterSyncPosition=start + 0.3, SlaveSyncPosition=50.0, RatioNumerator=1, **limits)
+    assert bench["meet.ErrorID"] == 40 and bench.state == "standstill"
+
+
 def test_gear_in_pos_fails_when_the_master_gets_too_fast(bench):
     bench.start("run", 100, Velocity=100.0)
     bench.start("meet", 50, MasterSyncPosition=200.0, SlaveSyncPosition=100.0, RatioNumerator=1, Velocity=150.0)

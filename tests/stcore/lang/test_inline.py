@@ -111,3 +111,19 @@ def test_what_is_taken_in_stays_small(monkeypatch):
     assert len(run.program.wasm) < 100_000
     monkeypatch.setattr(inline, "SMALL", 0)
     assert len(run.program.wasm) < 10 * len(Run(program("y := F9(1);", "y : INT;", "\n".join(units))).program.wasm)
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_what_a_block_changes_is_read_again(size, monkeypatch):
+    for name, limit in zip(("SMALL", "ONCE"), size, strict=True):
+        monkeypatch.setattr(inline, name, limit)
+    before = """
+VAR_GLOBAL g : INT; END_VAR
+FUNCTION_BLOCK Adds g := g + 1; END_FUNCTION_BLOCK
+FUNCTION_BLOCK Outside VAR adds : Adds; END_VAR adds(); END_FUNCTION_BLOCK
+FUNCTION Five : INT g := g + 5; END_FUNCTION
+PROGRAM Twice g := g * 2; END_PROGRAM
+"""
+    body = "g := 3; o(); x := g; g := 4; Five(); y := g; g := 5; Twice(); z := g; g := 6; a(); b(); w := g;"
+    r = Run(program(body, "o : Outside; a, b : Adds; x, y, z, w : INT;", before)).scan()
+    assert [r[n] for n in "xyzw"] == [4, 9, 10, 8]
