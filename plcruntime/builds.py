@@ -40,17 +40,17 @@ class Builds:
     def prepare(self) -> None:
         """Compile the other build in the background."""
         if self._plc.origin is not None and self._ahead is None:
-            self._ahead = Future()
+            self._ahead = ahead = Future()
             # a daemon: whoever quits at once does not wait for it
-            threading.Thread(target=self._compile_ahead, name="scancycle build", daemon=True).start()
+            threading.Thread(target=self._compile_ahead, args=(ahead,), name="scancycle build", daemon=True).start()
 
-    def _compile_ahead(self) -> None:
+    def _compile_ahead(self, ahead: Future[Program]) -> None:
         usual = sys.getswitchinterval()
         sys.setswitchinterval(BACKGROUND)
         try:
-            self._ahead.set_result(self._compile())
+            ahead.set_result(self._compile())
         except BaseException as error:  # told to whoever asks for the build
-            self._ahead.set_exception(error)
+            ahead.set_exception(error)
         finally:
             sys.setswitchinterval(usual)
 

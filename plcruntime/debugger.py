@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 ANY_DEPTH = 1 << 30
 PATIENCE = 1.0  # s after Ctrl-C until a statement that does not end is broken off
 TICK = 0.1
-MANY = 20_000  # scans that are worth waiting for the fast build
+MANY = 20_000  # scans after which it is worth to wait for the fast build
 OTHERS = 8192  # bytes for the constants of the condition of `until`, before those of breakpoints
 
 
@@ -141,7 +141,12 @@ class Debugger:
             if outcome.stop is not None or outcome.reached:
                 return outcome
             scans -= 1
-        self.detach(wait=scans > MANY)
+        self.detach()
+        if self.active and scans > MANY:  # the fast build is not there yet
+            if self._engine.advance(MANY, until=until, realtime=realtime):
+                return Outcome(reached=True)
+            scans -= MANY
+            self.detach(wait=True)
         return Outcome(reached=self._engine.advance(scans, until=until, realtime=realtime))
 
     def step(self, how: str) -> Outcome:

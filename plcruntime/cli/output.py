@@ -15,19 +15,26 @@ from stcore.diagnostics import Diagnostic, text
 _INFINITE = "\x00infinite\x00"
 
 
-def print_table(
-    columns: Sequence[str], rows: Iterable[Sequence[str]], *, title: str = "", right: Sequence[int] = ()
-) -> None:
-    """A table on the standard output, coloured on a terminal only. right: columns that are flush right."""
+def print_table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """A table on the standard output, coloured on a terminal only."""
     from rich import box
+    from rich.cells import cell_len
     from rich.table import Table
+    from rich.text import Text
 
-    table = Table(box=box.SIMPLE_HEAD, title=title or None, title_justify="left", pad_edge=False)
-    for i, name in enumerate(columns):
-        table.add_column(name, justify="right" if i in right else "left", overflow="fold")
+    screen = console(sys.stdout)
+    rows = [tuple(row) for row in rows]
+    widths = [max(map(cell_len, column)) for column in zip(columns, *rows, strict=True)]
+    folds = sum(widths) + 3 * len(widths) > screen.width or any("\n" in cell for row in rows for cell in row)
+    if rows and not folds:
+        # as one tall row, which is drawn five times as fast: a program may have thousands of variables
+        rows = [tuple("\n".join(column) for column in zip(*rows, strict=True))]
+    table = Table(*columns, box=box.SIMPLE_HEAD, pad_edge=False)
+    for column in table.columns:
+        column.overflow = "fold"
     for row in rows:
-        table.add_row(*(_plain(cell) for cell in row))
-    console(sys.stdout).print(table)
+        table.add_row(*map(Text, row))
+    screen.print(table)
 
 
 def console(stream):
@@ -38,12 +45,6 @@ def console(stream):
     if not made.is_terminal and "COLUMNS" not in os.environ:
         made.width = 160
     return made
-
-
-def _plain(cell: str):
-    from rich.text import Text
-
-    return Text(cell)
 
 
 def print_diagnostics(diagnostics: Sequence[Diagnostic]) -> None:

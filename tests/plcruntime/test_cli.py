@@ -115,6 +115,18 @@ def test_text(capsys, file):
     assert "10 scans of 1 ms: 0.01 s of virtual time" in out and "\x1b" not in out
 
 
+def test_a_table_folds_only_what_is_too_wide(capsys, monkeypatch):
+    rows = [("名字", "one two three"), ("b", ""), ("abcdef", "4")]
+    shown = []
+    for columns in ("24", "22"):
+        monkeypatch.setenv("COLUMNS", columns)
+        output.print_table(("name", "value"), rows)
+        shown.append([line.rstrip() for line in capsys.readouterr().out.splitlines()])
+    assert shown[0] == ["", " name     value", " " + 22 * "─", " 名字     one two three", " b", " abcdef   4", ""]
+    assert shown[1][3:5] == [" 名字     one two", "          three"]
+    assert shown[1][:2] + shown[1][5:] == shown[0][:2] + shown[0][4:]
+
+
 def test_trace_files(capsys, file, tmp_path):
     code, out, _ = run(
         capsys, "run", file, "--scans", 4, "--set", "on=TRUE@#2", "--watch", "r,on", "--trace", tmp_path / "t.csv"

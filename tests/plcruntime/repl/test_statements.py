@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from plcruntime import PLC
-from plcruntime.debugger import Debugger
+from plcruntime.debugger import MANY, Debugger
 from plcruntime.plc import build
 from plcruntime.repl import Repl
 
@@ -121,6 +121,41 @@ def test_probed_and_plain_runs_end_in_the_same_image(source):
     assert probed.scans == 500
     end = plain.program.state_end
     assert bytes(plain._machine.memory[1024:end]) == bytes(probed._machine.memory[1024:end])
+
+
+def test_the_prompt_begins_with_probes_and_goes_on_without(source):
+    plain, plc = PLC.load(source), PLC.load(source, probes=True)
+    debugger = Debugger(plc)
+    assert debugger.step("next").stop is not None  # no other build is needed, nor is there one
+    debugger.run(10)
+    assert debugger.active and plc.scans == 10
+    debugger.prepare()
+    debugger.run(MANY + 10)  # long enough to wait for the fast build
+    assert not debugger.active and plc.scans == MANY + 20
+    plain.scan(MANY + 20)
+    end = plain.program.state_end
+    assert bytes(plain._machine.memory[1024:end]) == bytes(plc._machine.memory[1024:end])
+    debugger.step("next")
+    debugger.breakpoints.add("Acc", 1)
+    assert debugger.run(1).stop.breakpoint == 1 and debugger.active
+    debugger.breakpoints.remove(None)
+    debugger.finish()
+    debugger.run(1)
+    assert not debugger.active
+
+
+@pytest.mark.parametrize("edit", [("n := n + 1;", "n := n + 2;"), ("n := n + 1;", "n := ;")])
+def test_a_source_that_changes_behind_the_prompt_leaves_the_program_that_was_loaded(source, edit):
+    plain, plc = PLC.load(source), PLC.load(source, probes=True)
+    before = source.read_text()
+    source.write_text(before.replace(*edit))
+    debugger = Debugger(plc)
+    debugger.prepare()
+    debugger.run(MANY + 10)
+    source.write_text(before)
+    assert debugger.active and plc.scans == MANY + 10
+    plain.scan(MANY + 10)
+    assert plc["n"] == plain["n"]
 
 
 def test_a_typed_loop_that_does_not_end_is_broken_off_and_undone(source, capsys):
