@@ -310,8 +310,9 @@ def test_mram_takes_its_time_and_can_be_stopped(state):
     assert io(put, i=0, k=1, words=[99]) == 0
     assert io(start, i=0, k=4096, d=1) == 0 and io(start, i=0, k=1, d=0) == 1  # 65 ms
     assert io(status) == 0 and io["i"] == 0
-    assert io(stop) == 0
+    assert io(stop) == 0 and io(status) == 0 and io["i"] == 0  # given up is not finished
     io.plc.scan(100)
+    assert io(status) == 0 and io["i"] == 0
     assert io(start, i=0, k=1, d=0) == 0 and io(status) == 0 and io["i"] == 1
     assert io(get, i=0, k=1) == 0 and io["words"][0] == 0  # nothing was kept
     for call in (put, get):

@@ -9,8 +9,8 @@ CALLS = (
     "GT_SetPosErr(1, 100)", "GT_SetSoftLimit(1, 1000, -1000)", "GT_SetStopIo(1, 1, MC_GPI, 1)",
     "GT_SetStopIo(1, 0, MC_GPI, 2)", "GT_SetAxisBand(1, 10, 4)",
     "GT_PrfJog(1) + GT_SetJogPrm(1, ADR(jog)) + GT_SetVel(1, vel) + GT_Update(1)", "GT_Stop(1, 0)", "GT_Stop(1, 1)",
-    "GT_SetStopDec(1, 7.0, 77.0)", "GT_ProfileScale(1, 4, 3)", "GT_EncScale(1, 3, 2)", "GT_EncSns(1)", "GT_EncOff(1)",
-    "GT_AlarmOff(1) + GT_LmtsOff(1)", "GT_SetPrfPos(1, 555)",
+    "GT_ClrSts(1) + GT_Update(1)", "GT_SetStopDec(1, 7.0, 77.0)", "GT_ProfileScale(1, 4, 3)", "GT_EncScale(1, 3, 2)",
+    "GT_EncSns(1)", "GT_EncOff(1)", "GT_AlarmOff(1) + GT_LmtsOff(1)", "GT_SetPrfPos(1, 555)",
 )  # fmt: skip
 PROGRAM = f"""
 PROGRAM PLC_PRG
@@ -140,6 +140,17 @@ def test_what_a_flag_lets_move(axis, cause, flag):
     assert axis.status & MOVING
 
 
+@pytest.mark.parametrize("cause", [alarm, following_error, smooth_stop, abrupt_stop])
+def test_nothing_starts_behind_a_clrsts_while_the_cause_is_there(axis, cause):
+    """6.3.1: the flag stays, in the very scan of GT_ClrSts too."""
+    axis.jog(20.0)
+    axis("GT_Stop(1, 1)")
+    cause(axis, True)
+    axis.plc.scan(2)
+    axis("GT_ClrSts(1) + GT_Update(1)", 1)
+    assert not axis.sim.moving
+
+
 def test_servo_and_motion_show_what_is(axis):
     assert axis.status == ENABLED
     axis.jog(20.0)
@@ -160,6 +171,7 @@ def test_in_position_is_off_after_reset_and_needs_rest_and_band(axis):
     axis.plc.scan(2)
     assert axis.status & ARRIVED
     axis.jog(1.0)
+    assert not axis.plc["PLC_PRG.sts"][0] & ARRIVED  # at once, in the scan of GT_Update (6.3.1)
     assert not axis.status & ARRIVED
     axis("GT_Stop(1, 1)")
     axis.plc.scan(3)
