@@ -151,6 +151,19 @@ def test_nothing_starts_behind_a_clrsts_while_the_cause_is_there(axis, cause):
     assert not axis.sim.moving
 
 
+@pytest.mark.parametrize("cause", [alarm, positive_switch, smooth_stop, abrupt_stop])
+def test_nothing_starts_in_the_scan_in_which_the_cause_comes(axis, cause):
+    axis("GT_SetStopIo(1, 1, MC_GPI, 1)")
+    axis("GT_SetStopIo(1, 0, MC_GPI, 2)")
+    axis.plc["PLC_PRG.job"] = 12  # the jog
+    if cause in (smooth_stop, abrupt_stop):
+        axis.plc["SimIo.gpi"] = 1 if cause is smooth_stop else 2
+    else:
+        cause(axis, True)
+    axis.plc.scan()
+    assert axis.plc["PLC_PRG.rtn"] == 1 and axis.sim.prfPos == 0.0
+
+
 def test_servo_and_motion_show_what_is(axis):
     assert axis.status == ENABLED
     axis.jog(20.0)
