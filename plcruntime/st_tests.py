@@ -1,9 +1,9 @@
 """Tests written in ST: found by their attribute, each run on a fresh PLC, with what a report needs to say.
 
-A FUNCTION with ``{attribute 'test'}`` is called once. A PROGRAM is scanned until it calls TEST_DONE() or its time-out
-is over (``{attribute 'timeout' := '30s'}``, 10 s of virtual time else), with the stimuli of a file beside it when
-``{attribute 'stimuli' := 'presses.csv'}`` names one. Assertions are functions of the library
-(stcore/library/testing); one that fails ends the test.
+A FUNCTION with ``{attribute 'test'}`` is called once, and so is a METHOD of a FUNCTION_BLOCK, on an instance of its
+own. A PROGRAM is scanned until it calls TEST_DONE() or its time-out is over (``{attribute 'timeout' := '30s'}``, 10 s
+of virtual time else), with the stimuli of a file beside it when ``{attribute 'stimuli' := 'presses.csv'}`` names one.
+Assertions are functions of the library (stcore/library/testing); one that fails ends the test.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from stcore.faults import ASSERTIONS, Fault
 from stcore.paths import PathError
 from stcore.program import Program, Routine, TaskSpec
 from stcore.source import Source, read
-from stcore.types import Type
+from stcore.types import Type, is_aggregate
 
 if TYPE_CHECKING:
     from plcruntime.trace import Trace
@@ -138,9 +138,9 @@ class TestFile:
     def _tests(self) -> Iterator[Test]:
         for routine in self.program.routines.values():
             if "test" in routine.attributes and not routine.library:
-                yield Test(
-                    routine.name, routine.kind, routine.export, str(self.path), routine.line, routine.attributes
-                )  # fmt: skip
+                export = routine.test if routine.kind == "METHOD" else routine.export
+                if export or routine.kind != "METHOD":  # the method of an ABSTRACT block runs in those that extend it
+                    yield Test(routine.name, routine.kind, export, str(self.path), routine.line, routine.attributes)
 
     def run(self, test: Test) -> Result:
         """Run one test on a fresh PLC. Never raises for what the test does."""
@@ -161,16 +161,18 @@ class TestFile:
             plc._engine.choose_test(self._task.get(test.name.upper(), 0))
             if "stimuli" in test.attributes:
                 self._schedule(test)
-            if test.kind == "FUNCTION":
+            if test.kind in ("FUNCTION", "METHOD"):
                 routine: Routine = self.program.routines[test.name.upper()]
                 if routine.parameters:
                     raise UsageError("a test takes no parameters")
+                if test.kind == "METHOD" and routine.result is not None and is_aggregate(routine.result):
+                    raise UsageError(f"a test does not return {routine.result}")
                 with plc._engine.guard.run(), plc._engine.guard.call():
                     plc._machine.call(test.export)
             elif test.kind == "PROGRAM":
                 self._scan(test, result, scans)
             else:
-                raise UsageError(f"a {test.kind} can't be a test; PROGRAM and FUNCTION can")
+                raise UsageError(f"a {test.kind} can't be a test; PROGRAM, FUNCTION and METHOD can")
         except Fault as fault:
             self._failed(result, fault)
         except (UsageError, ValueError) as error:
@@ -180,7 +182,7 @@ class TestFile:
         from plcruntime import stimulus_file
 
         if test.kind != "PROGRAM":
-            raise UsageError("stimuli come at times, and a FUNCTION is called once: make the test a PROGRAM")
+            raise UsageError(f"stimuli come at times, and a {test.kind} is called once: make the test a PROGRAM")
         stimulus_file.schedule(self.plc, self.path.parent / test.attributes["stimuli"], test.name)
 
     def _scan(self, test: Test, result: Result, scans: int | None) -> None:

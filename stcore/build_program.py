@@ -13,6 +13,7 @@ from stcore.check import CheckedProject
 from stcore.check.initial import check_init
 from stcore.diagnostics import CompileError, Diagnostic, Reporter
 from stcore.emit import ModuleEmitter
+from stcore.emit.routines import methods_to_test, routines
 from stcore.machine import assemble, load_ahead
 from stcore.near import near
 from stcore.program import Program, TaskSpec, Variable
@@ -76,6 +77,8 @@ def _build(
     for pou in user_pous:
         if pou.kind == "PROGRAM":
             project.instance(pou)  # its variables can be looked at, even if no task runs it
+        if pou.kind in ("FUNCTION_BLOCK", "PROGRAM") and "ABSTRACT" not in pou.tree.modifiers and methods_to_test(pou):
+            project.test_instances[pou] = pou.address or project.allocate(pou.type.size, 8)
     project.spread_writes()
     program = _emit(project, tasks, reporter, sources, user_pous, probes)
     program.libraries = [str(x) for x in libraries]
@@ -161,7 +164,7 @@ def _emit(
         setattr(program, name, (emitter.areas[area], project.areas[area]))
     program.constants_at = emitter.constants_at
     program.types = dict(project.named_types)
-    program.routines = emitter.routines()
+    program.routines = routines(emitter)
     if probes:
         program.bodies, program.probed, program.probes = emitter.bodies, emitter.probed, emitter.stack_top
         program.branches = emitter.branches

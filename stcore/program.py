@@ -124,7 +124,9 @@ class Routine:
     """The code of a POU under the name by which the module exports it, for side modules and tests; no name where all
     of it was taken into its callers.
 
-    parameters, result: of a FUNCTION; a block has its own in its type. actions: upper-case name -> export.
+    parameters, result: of a FUNCTION or METHOD; a block has its own in its type. actions: upper-case name -> export.
+    chooser: of a method, the export that finds out whose method an instance has; '' where there is only this one.
+    test: of a method that is a test, the export that runs it on an instance of its own.
     """
 
     name: str
@@ -137,6 +139,8 @@ class Routine:
     file: str = ""
     line: int = 0
     attributes: dict = field(default_factory=dict)
+    chooser: str = ""
+    test: str = ""
 
 
 @dataclass(slots=True)

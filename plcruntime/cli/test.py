@@ -96,7 +96,7 @@ def _once(arguments: argparse.Namespace, chosen: Selection) -> int:
     except OSError as error:  # no room, for one; whether there is a place for them was looked at before
         raise UsageError(f"the results can't be written: {error.strerror}") from None
     if not results and not broken:
-        found = "a test is a PROGRAM or FUNCTION with {attribute 'test'}, by default in test_*.st files"
+        found = "a test is a PROGRAM, FUNCTION or METHOD with {attribute 'test'}, by default in test_*.st files"
         print(f"no test matches -k {arguments.k}" if arguments.k else f"no test found: {found}")
         return USAGE
     return FAILED if failed or broken else DONE

@@ -47,6 +47,7 @@ class CheckedProject(Project):
         self.program_instances: dict[str, tuple[str, Pou, int]] = {}  # of programs that have several: name, address
         self.connections: dict[str, tuple[s.ExprStmt, Source]] = {}  # program or instance -> its call by the task
         self.mirrors: list[Mirror] = []
+        self.test_instances: dict[Pou, int] = {}  # blocks with methods that are tests: an instance for these
         self.aliases: dict[str, str] = {}  # other names for programs
         self.accesses: dict[str, tuple[str, bool]] = {}  # VAR_ACCESS: name -> path, whether it is read only
         self.evaluated: list[Var] = []  # constants whose values are being worked out, one for another

@@ -8,10 +8,11 @@ from stcore import syntax as s
 from stcore.check.initial import check_init
 from stcore.declare import align
 from stcore.emit.calls import abstract
-from stcore.emit.dispatch import Dispatch
+from stcore.emit.dispatch import Dispatch, signature
 from stcore.emit.function import FunctionEmitter
 from stcore.emit.image import ImageBuilder, Late, encode_text
 from stcore.emit.inline import Inlinable
+from stcore.emit.routines import methods_to_test, test_export
 from stcore.emit.values import wasm_type
 from stcore.program import (
     ALONE,
@@ -21,8 +22,6 @@ from stcore.program import (
     Body,
     Branch,
     External,
-    Parameter,
-    Routine,
     Sites,
     TaskSpec,
 )
@@ -54,7 +53,7 @@ class ModuleEmitter:
         self.needed: dict[str, tuple[Pou, s.Action | None]] = {}
         self.queue: list[tuple[str, Pou, s.Action | None, int | None]] = []
         self.late_codes: dict[tuple[s.Node, int], str] = {}  # initial value and offset -> function
-        self.dispatch = Dispatch([*project.reached], self.need)
+        self.dispatch = Dispatch([*project.reached], self.need, self._no_instance)
         self.copies: set[str] = set()  # of programs, for instances after the first
         self.texts: dict[tuple[str, bool], int] = {}
         self.templates: dict[object, int] = {}
@@ -161,9 +160,7 @@ class ModuleEmitter:
             self.need(pou)
             for action in pou.actions.values():
                 self.need_action(pou, action)
-            for method in pou.methods.values():
-                if not abstract(method):
-                    self.need(method)
+        self._keep_methods(kept)
         start = self._initialisation()
         self._drain()
         limit = self.image_end = align(self.constants_at + len(self.constants), 16)
@@ -187,31 +184,30 @@ class ModuleEmitter:
             *self.functions,
             *self.dispatch.functions.values(),
             self.room_at(self.constants_at),
-            *(f'(export "{symbol[1:]}" (func {symbol}))' for symbol in self.needed),
+            *(f'(export "{symbol[1:]}" (func {symbol}))' for symbol in [*self.needed, *self.dispatch.functions]),
             ")",
         ]
         return "\n".join(parts)
 
-    def routines(self) -> dict[str, Routine]:
-        """Every POU of the module by upper-case name, but for the instances of generic functions."""
-        found: dict[str, Routine] = {}
-        pous = {pou: None for pou, _ in self.needed.values()} | (self.inlining.taken if self.inlining else {})
-        for pou in sorted((p for p in pous if not p.bindings and p.holder is None), key=lambda p: p.library):
-            routine = Routine(
-                pou.name, pou.kind, pou.symbol[1:] if pou.symbol in self.needed else "", library=pou.library,
-                file=pou.source.path, line=pou.source.position(pou.tree.name_start)[0], attributes=pou.attributes,
-            )  # fmt: skip
-            if pou.kind == "FUNCTION":
-                routine.parameters = [self._parameter(p) for p in pou.parameters]
-                routine.result = pou.result.type if pou.result is not None else None
-            names = {n: f"{pou.symbol}.{a.name}" for n, a in pou.actions.items()}
-            routine.actions = {n: symbol[1:] for n, symbol in names.items() if symbol in self.needed}
-            found.setdefault(pou.name.upper(), routine)
-        return found
+    def _keep_methods(self, kept: list[Pou]) -> None:
+        """All methods of these POUs can be called by what is typed beside the program; tests have a function each."""
+        for pou in kept:
+            for method in pou.methods.values():
+                if method.holder.kind != "PROGRAM":
+                    self.dispatch.method(method)
+                if not abstract(method):
+                    self.need(method)
+        for pou, address in self.project.test_instances.items():
+            for method in methods_to_test(pou):
+                params, results = signature(method)
+                call = f"(call {method.symbol} (i32.const {address}))" + " drop" * len(results)
+                call = "unreachable" if params else call  # who runs the test says that it may have none
+                self.functions.append(f'(func (export "{test_export(pou, method)}") {call})')
 
-    def _parameter(self, var: Var) -> Parameter:
-        data = self.images.of_variable(var)[0] if var.section != "VAR_IN_OUT" else b""
-        return Parameter(var.name, var.type, var.section, var.constant, data if any(data) else b"", var.room_of)
+    def _no_instance(self, pou: Pou) -> str:
+        """The marker of the fault that an instance known as one of this block or interface is none."""
+        at = pou.tree
+        return f"(drop (i32.const {self.site(pou.source, at, pou.name, 'F0109', pou.name)}))"
 
     def _imports(self) -> list[str]:
         lines = ['(import "host" "probe" (func $probe (param i32 i32 i32 i32)))'] if self.probes else []
@@ -320,6 +316,8 @@ class ModuleEmitter:
         for _, pou, address in self.project.program_instances.values():
             if address != pou.address:
                 yield address, pou.type, None
+        for pou, address in self.project.test_instances.items():
+            yield address, pou.type, None
 
     def address_of(self, var: Var) -> int:
         return self.areas[var.area] + var.address if var.storage == "area" else var.address

@@ -65,7 +65,7 @@ class Calls(Expressions):
                 self.module.need(pou)
                 name = pou.symbol
             else:
-                name = self.module.dispatch.method(pou, lambda: self.marker(node, "F0109", pou.holder.name))
+                name = self.module.dispatch.method(pou)
             results = "".join(f" (result {r})" for r in signature(pou)[1])
             given = " ".join([address(base, offset), *args])
             return f"(block{results} {given} (drop (i32.const {site})) (call {name}))"
@@ -201,7 +201,7 @@ class Calls(Expressions):
             self.forget(node)
             self.line(f"(call {self.module.need_instance(call.pou, None, offset)})")
         elif self._decides(call):
-            name = self.module.dispatch.body(call.pou, lambda: self.marker(node, "F0109", call.pou.name))
+            name = self.module.dispatch.body(call.pou)
             self.line(f"(call {name} {address(base, offset)})")
         elif not self.inline_block(call.pou, base, offset, places, given):
             self.forget(node)

@@ -32,11 +32,12 @@ def signature(pou: Pou) -> tuple[list[str], list[str]]:
 
 
 class Dispatch:
-    """Which code a call runs, by the block of the instance. reached: the POUs of the program."""
+    """Which code a call runs, by the block of the instance. reached: the POUs of the program. need: called for all code
+    that is called; mark: gives the marker of a POU, by which a fault finds its place."""
 
-    def __init__(self, reached: list[Pou], need: Callable[[Pou], None]) -> None:
+    def __init__(self, reached: list[Pou], need: Callable[[Pou], None], mark: Callable[[Pou], str]) -> None:
         self.blocks = [p for p in reached if p.kind == "FUNCTION_BLOCK" and p.type.number]
-        self.need = need
+        self.need, self.mark = need, mark
         self.functions: dict[str, str] = {}  # name -> text
         self.chosen: dict[Pou, dict[int, Pou]] = {}  # a method or block -> the number of a block -> its code
 
@@ -58,24 +59,24 @@ class Dispatch:
         """The block whose body an instance runs that is known as one of this block."""
         return {b.type.number: b for b in self.blocks if b.type.extends(block.type)}
 
-    def method(self, method: Pou, site: Callable[[], str]) -> str:
-        """The function that a call of this method has to call. site: the place to name in a fault."""
+    def method(self, method: Pou) -> str:
+        """The function that a call of this method has to call."""
         chosen = self.of_method(method)
         if not isinstance(method.holder.type, Interface) and all(m is method for m in chosen.values()):
             self.need(method)
             return method.symbol
-        return self._function(f"{method.symbol}.of", chosen, *signature(method), site)
+        return self._function(f"{method.symbol}.of", method.holder, chosen, *signature(method))
 
-    def body(self, block: Pou, site: Callable[[], str]) -> str:
+    def body(self, block: Pou) -> str:
         """The function that a call of an instance has to call that is known by its address only."""
         chosen = self.of_body(block)
         if len(chosen) < 2:
             self.need(block)
             return block.symbol
-        return self._function(f"{block.symbol}.of", chosen, [], [], site)
+        return self._function(f"{block.symbol}.of", block, chosen, [], [])
 
     def _function(
-        self, name: str, chosen: dict[int, Pou], params: list[str], results: list[str], site: Callable[[], str]
+        self, name: str, known: Pou, chosen: dict[int, Pou], params: list[str], results: list[str]
     ) -> str:
         """The function that chooses, made once."""
         if name in self.functions:
@@ -92,6 +93,6 @@ class Dispatch:
         lines.append(f"(br_table {' '.join(wanted)} $none (i32.load (local.get $this)))")
         for code in codes:
             lines.append(f") (return (call {code.symbol} {arguments}))")
-        lines.append(f") {site()} (call $fault_pointer (local.get $this)) unreachable)")
+        lines.append(f") {self.mark(known)} (call $fault_pointer (local.get $this)) unreachable)")
         self.functions[name] = "\n".join(lines)
         return name

@@ -331,3 +331,80 @@ def test_a_stimulus_file_that_is_missing_or_of_no_use(stimulated, capsys):
     stimulated.write_text("{attribute 'test'}\n{attribute 'stimuli' := 'a.csv'}\nFUNCTION f : BOOL\nEND_FUNCTION\n")
     assert main(["test", str(stimulated)]) == 1
     assert "make the test a PROGRAM" in capsys.readouterr().out
+
+
+METHODS = """\
+FUNCTION_BLOCK Valve
+VAR isOpen : BOOL; count : INT; END_VAR
+METHOD Open : BOOL
+IF isOpen THEN
+  RETURN;
+END_IF
+isOpen := TRUE;
+count := count + 1;
+Open := TRUE;
+END_METHOD
+METHOD Never
+count := 0;
+END_METHOD
+END_FUNCTION_BLOCK
+FUNCTION_BLOCK ABSTRACT Fixture
+VAR v : Valve; END_VAR
+{attribute 'test'}
+METHOD starts_closed
+ASSERT(NOT v.isOpen, 'closed');
+END_METHOD
+END_FUNCTION_BLOCK
+FUNCTION_BLOCK Opening EXTENDS Fixture
+VAR first : INT := 1; END_VAR
+{attribute 'test'}
+METHOD opens_once
+ASSERT(v.Open(), 'first');
+ASSERT(NOT v.Open(), 'second');
+ASSERT_EQ(first, v.count);
+END_METHOD
+{attribute 'test'}
+METHOD counts : BOOL
+ASSERT_EQ(0, v.count, 'fresh');
+v.Open();
+ASSERT_EQ(2, v.count, 'twice');
+END_METHOD
+{attribute 'test'}
+METHOD with_input
+VAR_INPUT x : INT; END_VAR
+END_METHOD
+{attribute 'test'}
+METHOD with_result : STRING
+END_METHOD
+{attribute 'test'} {attribute 'stimuli' := 'x.csv'}
+METHOD with_stimuli
+END_METHOD
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.fixture
+def methods(tmp_path, monkeypatch) -> Path:
+    (tmp_path / "test_methods.st").write_text(METHODS)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_methods_that_are_tests(methods):
+    file = TestFile(methods / "test_methods.st")
+    results = {t.name: file.run(t) for t in file.tests}
+    assert [n for n, r in results.items() if r.passed] == ["Opening.starts_closed", "Opening.opens_once"]
+    failed = results["Opening.counts"]
+    assert (failed.assertion.expected, failed.assertion.actual, failed.line) == ("2", "1", 35)
+    assert results["Opening.with_input"].message == "a test takes no parameters"
+    assert "does not return STRING" in results["Opening.with_result"].message
+    assert "a METHOD is called once" in results["Opening.with_stimuli"].message
+
+
+def test_methods_in_reports_and_coverage(methods, capsys):
+    assert main(["test", "-k", "opens_once or starts", "--junit", "o.xml", "--coverage", "--lcov", "o.info"]) == 0
+    out = capsys.readouterr().out
+    assert "2 passed" in out and "5/6" in out  # of the statements of Valve; the tests themselves do not count
+    cases = ElementTree.parse("o.xml").getroot().iter("testcase")
+    assert [c.get("name") for c in cases] == ["Opening.starts_closed", "Opening.opens_once"]
+    assert "DA:12,0" in Path("o.info").read_text() and "DA:9,1" in Path("o.info").read_text()
