@@ -60,6 +60,10 @@ class Changes:
     library: bool = False
     own: bool = False
 
+    def more_than_names(self) -> bool:
+        """False if it changes nothing but the variables that it names."""
+        return bool(self.kinds or self.behind) or self.anything or self.library or self.own
+
     def unseen(self, var: Var) -> bool:
         """True if the code may change the variable otherwise than by its name."""
         if var.addressed or var.indirect or var.storage == "area" or var in self.behind:

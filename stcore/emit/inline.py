@@ -34,13 +34,13 @@ class Inlinable:
         return body[-1].end - body[0].start if body else 0
 
     def suits(self, pou: Pou) -> bool:
-        if pou in self.called:
+        if pou in self.called or self.size(pou) > (ONCE if pou.calls == 1 else SMALL):
             return False
         open_array = any(getattr(p.type, "open", 0) for p in pou.parameters)
         if pou.kind == "PROGRAM" or pou.external or open_array or not pou.checked:
             self.called.add(pou)
             return False
-        return self.size(pou) <= (ONCE if pou.calls == 1 else SMALL)
+        return True
 
 
 class Inlining(Statements):
