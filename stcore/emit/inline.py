@@ -86,6 +86,7 @@ class Inlining(Statements):
             inner._in_outs()
             inner.body(pou.tree.body)
         except NeedsFrame:
+            inner.release()
             self.module.inlining.called.add(pou)
             return None
         if "hidden" not in pou.attributes:
@@ -114,6 +115,7 @@ class Inlining(Statements):
         if size > SMALL:
             known.called.add(pou)  # from here on: its one call may be met again where its caller is taken in elsewhere
         inner = type(self)(self.module, pou, pou.source, caller=self)
+        inner.take_free(self)
         inner.exit_label = self.label("return")
         inner.room = SMALL if size <= SMALL else ROOM
         return inner
