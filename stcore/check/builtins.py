@@ -240,6 +240,7 @@ def _adr(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
         value = checker.value(value)
     else:
         value = checker.place(value, write=True, addressed=True)
+        checker.addressed_whole(value.type)
     if value.type is t.ERROR:
         return checker.wrong(node)
     if isinstance(value, s.Part):

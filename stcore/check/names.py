@@ -301,6 +301,17 @@ class Names(Conversions):
             self._mark(node, node, write, addressed)
         return node
 
+    def addressed_whole(self, kind: t.Type) -> None:
+        """A pointer to a variable of this type may lead to all members of the blocks in it."""
+        while isinstance(kind, t.Array):
+            kind = kind.element
+        if isinstance(kind, t.Struct | t.Block):
+            for field in kind.members.values():
+                self.addressed_whole(field.type)
+        if isinstance(kind, t.Block):
+            for var in self.project.block_pous[kind].variables.values():
+                var.addressed = True
+
     def _mark(self, node: s.Node, whole: s.Node, write: bool, addressed: bool) -> None:
         match node:
             case s.Name() | s.Address() if isinstance(node.symbol, Var):
@@ -311,6 +322,8 @@ class Names(Conversions):
                 elif isinstance(node.symbol, t.Field):
                     if node.symbol.constant and write:
                         self.error("E0318", whole, name=self.text(whole), why="it is a CONSTANT")
+                    if addressed and isinstance(node.base.type, t.Block):
+                        self.project.block_pous[node.base.type].variables[key(node.symbol.name)].addressed = True
                     if not node.symbol.by_reference:
                         self._mark(node.base, whole, write, addressed)
                 else:

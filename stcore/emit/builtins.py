@@ -54,14 +54,17 @@ def _extreme(test: str) -> Callable:
 def _limit(e, node: s.Call, call: BuiltinCall) -> str:
     """LIMIT(MN, IN, MX)"""
     low, value, high = (e.value(a) for a in call.args)
-    return _pick(e, call.kind, "lt", _pick(e, call.kind, "gt", value, low), high)
+    wasm = wasm_type(call.kind)
+    first = e.temp(wasm)
+    text = _pick(e, call.kind, "lt", _pick(e, call.kind, "gt", value, f"(local.get {first})"), high)
+    return f"(block (result {wasm}) (local.set {first} {low}) {text})"
 
 
 def _sel(e, node: s.Call, call: BuiltinCall) -> str:
     """Only the input that is taken is worked out, as CODESYS does: SEL(n = 0, x / n, 0) is no division by zero."""
     selector, off, on = (e.value(a) for a in call.args)
     wasm = wasm_type(call.kind)
-    if any(word in text for text in (off, on) for word in ("(call", "(block", "(if", ".div", ".rem")):
+    if any(word in text for text in (selector, off, on) for word in ("(call", "(block", "(if", ".div", ".rem")):
         return f"(if (result {wasm}) {selector} (then {on}) (else {off}))"
     a = e.temp(wasm)
     return f"(block (result {wasm}) (local.set {a} {off}) (select {on} (local.get {a}) {selector}))"
@@ -71,11 +74,11 @@ def _mux(e, node: s.Call, call: BuiltinCall) -> str:
     """Nested choices; an index outside takes the nearest input."""
     wasm = wasm_type(call.kind)
     k = e.temp("i32")
-    inputs = [e.value(a) for a in call.args[1:]]
+    selector, *inputs = (e.value(a) for a in call.args)
     text = inputs[-1]
     for i in range(len(inputs) - 2, -1, -1):
         text = f"(if (result {wasm}) (i32.le_s (local.get {k}) (i32.const {i})) (then {inputs[i]}) (else {text}))"
-    return f"(block (result {wasm}) (local.set {k} {e.value(call.args[0])}) {text})"
+    return f"(block (result {wasm}) (local.set {k} {selector}) {text})"
 
 
 def _trunc(e, node: s.Call, call: BuiltinCall) -> str:
@@ -100,12 +103,15 @@ def _shift(e, node: s.Call, call: BuiltinCall) -> str:
             return f"({wasm}.const 0)" if op != "shr_s" else f"({wasm}.shr_s {value} ({wasm}.const {bits - 1}))"
         text = f"({wasm}.{op} {value} ({wasm}.const {count.const}))"
     else:
-        n = e.temp("i32")
-        by = f"(local.get {n})" if wasm == "i32" else f"(i64.extend_i32_u (local.get {n}))"
-        beyond = f"({wasm}.const 0)" if op != "shr_s" else f"({wasm}.shr_s {value} ({wasm}.const {bits - 1}))"
+        by = e.value(count)
+        n, shifted = e.temp("i32"), e.temp(wasm)
+        here, room = f"(local.get {shifted})", f"(i32.const {bits})"
+        beyond = f"({wasm}.const 0)" if op != "shr_s" else f"({wasm}.shr_s {here} ({wasm}.const {bits - 1}))"
+        amount = f"(local.get {n})" if wasm == "i32" else f"(i64.extend_i32_u (local.get {n}))"
         text = (
-            f"(if (result {wasm}) (i32.ge_u (local.tee {n} {e.value(count)}) (i32.const {bits}))"
-            f" (then {beyond}) (else ({wasm}.{op} {value} {by})))"
+            f"(block (result {wasm}) (local.set {shifted} {value}) (local.set {n} {by})"
+            f" (if (result {wasm}) (i32.ge_u (local.get {n}) {room})"
+            f" (then {beyond}) (else ({wasm}.{op} {here} {amount}))))"
         )
     return e.wrap(kind, text) if left else text
 

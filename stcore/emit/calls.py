@@ -9,6 +9,7 @@ from stcore import types as t
 from stcore.check.calls import BlockCall, FunctionCall
 from stcore.check.methods import MethodCall
 from stcore.emit import values
+from stcore.emit.changes import acts
 from stcore.emit.dispatch import signature
 from stcore.emit.expressions import Expressions
 from stcore.emit.values import address, constant, load, store, wasm_type
@@ -83,6 +84,7 @@ class Calls(Expressions):
     def _called(self, node: s.Call, call: FunctionCall, emit: Callable[[list[str]], str]) -> str:
         """A call with its arguments, and what becomes of its result and outputs."""
         pou = call.pou
+        enabled = self.value(call.en) if call.en is not None else ""
         args = [self._argument(p, v) + self._open_bounds(p, v) for p, v in call.values]
         outputs = dict((p, v) for p, v in call.outputs)
         args += [self._aggregate_output(p, outputs.get(p)) for p in aggregate_outputs(pou)]
@@ -108,7 +110,7 @@ class Calls(Expressions):
         prefix += f" {where}" if where else ""
         head = f"(block (result {returned})" if returned else "(block"
         if call.en is not None:
-            return self._enabled(call, result, f"{text}{prefix}")
+            return self._enabled(call, enabled, result, f"{text}{prefix}")
         return text if not prefix else f"{head} {text}{prefix})"
 
     def _plain_call(self, pou: Pou, args: list[str]) -> str:
@@ -124,14 +126,14 @@ class Calls(Expressions):
         temp = self.temp(returned)
         return f"(block (result {returned}) (local.set {temp} {text}) {failed} (local.get {temp}))"
 
-    def _enabled(self, call: FunctionCall, result: t.Type | None, text: str) -> str:
+    def _enabled(self, call: FunctionCall, enabled: str, result: t.Type | None, text: str) -> str:
         """EN FALSE: the function is not called, its result is the initial value."""
         eno = self._eno(call.eno)
         if result is None:
-            return f"(if {self.value(call.en)} (then {text} {eno[0]}) (else {eno[1]}))"
+            return f"(if {enabled} (then {text} {eno[0]}) (else {eno[1]}))"
         wasm = wasm_type(result)
         blank = constant(0, result) if not t.is_aggregate(result) else f"(i32.const {self.module.string('', False)})"
-        return f"(if (result {wasm}) {self.value(call.en)} (then {text} {eno[0]}) (else {eno[1]} {blank}))"
+        return f"(if (result {wasm}) {enabled} (then {text} {eno[0]}) (else {eno[1]} {blank}))"
 
     def _eno(self, place: s.Node | None) -> tuple[str, str]:
         if place is None:
@@ -171,6 +173,7 @@ class Calls(Expressions):
         symbol = getattr(expr, "symbol", None)
         self.mark(node)
         if isinstance(symbol, BlockCall):
+            self.forget(expr)
             self.block_call(expr, symbol)
         elif isinstance(symbol, ActionOf):
             self.forget(expr)
@@ -238,7 +241,9 @@ class Calls(Expressions):
                 self.line(store(parameter.type, base, at, f"(local.tee {name} {self.narrow(value)})"))
             else:
                 self.line(store(parameter.type, base, at, self.value(value)))
-        return given
+            if acts(value):
+                given = {}  # it may have changed the inputs before it
+        return {} if acts([place for _, place in call.in_outs]) else given
 
     def _take_output(self, parameter: Var, place: s.Node, base: str, offset: int) -> None:
         offset += parameter.address

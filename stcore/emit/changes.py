@@ -26,20 +26,31 @@ def _kind(of: t.Type) -> _Kind | None:
     return "int" if base.kind == "bits" else base.kind, base.size
 
 
-def _led_to(place: s.Node) -> bool:
-    """True if a pointer or an in-out leads there."""
+def _root(place: s.Node) -> Var | Pou | None:
+    """The variable or program that a place is part of; None if a pointer or an in-out leads there."""
     while True:
         match place:
             case s.Name() | s.Address() | s.Member() if isinstance(place.symbol, Var):
-                return place.symbol.indirect
+                return None if place.symbol.indirect else place.symbol
             case s.Member() if not place.symbol.by_reference:
                 place = place.base
             case s.Index() if not isinstance(place.base.type, t.Pointer):
                 place = place.base
             case s.Name() if isinstance(place.symbol, Pou):
-                return False
+                return place.symbol
             case _:
-                return True
+                return None
+
+
+def _may_hold(instance: s.Node) -> bool:
+    """True if an instance that is called may be the one that calls, or hold it: it is no part of that one."""
+    root = _root(instance)
+    return not isinstance(root, Var) or root.storage not in ("this", "local")
+
+
+def acts(code: object) -> bool:
+    """True if working this out may change something."""
+    return any(isinstance(node, s.Call | s.Assign) for node in walk(code))
 
 
 @dataclass(slots=True)
@@ -60,6 +71,10 @@ class Changes:
     anything: bool = False
     library: bool = False
     own: bool = False
+
+    def more_than_names(self) -> bool:
+        """False if it changes nothing but the variables that it names."""
+        return bool(self.kinds or self.behind) or self.anything or self.library or self.own
 
     def unseen(self, var: Var) -> bool:
         """True if the code may change the variable otherwise than by its name."""
@@ -82,7 +97,7 @@ class Changes:
             self.named.add(place.symbol)
         elif isinstance(place, s.Member) and place.base.symbol is self.pou:  # PLC_PRG.x in PLC_PRG
             self.behind.add(self.pou.variables.get(key(place.name)))
-        if _led_to(place):
+        if _root(place) is None:
             kind = _kind(place.type)
             if kind is None:
                 self.anything = True
@@ -99,9 +114,9 @@ class Changes:
             if call.pou.writes_outside or call.pou.external:
                 self.library |= call.pou.library
                 self.anything |= not call.pou.library
-            self.own |= call.pou is self.pou or isinstance(call, BlockCall) and _led_to(call.instance)
+            self.own |= call.pou is self.pou or isinstance(call, BlockCall) and _may_hold(call.instance)
             if isinstance(call, MethodCall):
-                self.own |= call.base is None or _led_to(call.base)
+                self.own |= call.base is None or _may_hold(call.base)
                 self.anything |= not call.bound
             elif isinstance(call, BlockCall):
                 self.anything |= call.decides

@@ -56,14 +56,19 @@ class Copies:
                     found.store(node)
                 else:
                     found.call(node)
-                changed = found.unseen if emitter is self else lambda v, found=found: not found.steady(v)
-                emitter.recent = {v: name for v, name in emitter.recent.items() if not changed(v)}
+                if found.more_than_names():
+                    changed = found.unseen if emitter is self else lambda v, found=found: not found.steady(v)
+                    emitter.recent = {v: name for v, name in emitter.recent.items() if not changed(v)}
+                elif emitter is not self and found.named:
+                    emitter.recent = {v: name for v, name in emitter.recent.items() if v not in found.named}
             emitter = emitter.caller
 
     @staticmethod
     def in_all(ways: list[Held]) -> Held:
         """What locals hold where several ways meet."""
-        return {v: name for v, name in ways[0].items() if all(v in way for way in ways[1:])}
+        first, *others = ways
+        others = [way for way in others if way is not first]  # often none has changed anything
+        return {v: name for v, name in first.items() if all(v in way for way in others)} if others else first
 
     def keep_copies(self, *code: object) -> Held:
         """Before a loop: what it changes by name and reads is kept in locals, too. The copies of outside the loop."""

@@ -39,8 +39,9 @@ class FunctionEmitter(Inlining):
         self.room = ROOM  # for code that is taken in
         self.lines: list[str] = []
         self.declared: list[str] = caller.declared if caller else []  # (local ...) declarations
-        self.free: dict[str, list[str]] = caller.free if caller else {}
+        self.free: dict[str, list[str]] = {}
         self.lent: list[tuple[str, str]] = []
+        self.capturing = False
         self.borrowed: list[tuple[str, str]] = []
         self.counter = caller.counter if caller else itertools.count(1)
         self.locals_of: dict[Var, str] = {}
@@ -64,19 +65,23 @@ class FunctionEmitter(Inlining):
     # ------------------------------------------------------------------------------------------- output
 
     def line(self, text: str) -> None:
-        """A piece of code at statement level; temporaries of the one before are free again."""
+        """A piece of code at statement level; its temporaries are free again."""
         self.lines.append(text)
-        for wasm, name in self.lent:
-            self.free[wasm].append(name)
-        self.lent.clear()
+        if not self.capturing:
+            self._give_back(self.lent)
+
+    def _give_back(self, names: list[tuple[str, str]]) -> None:
+        for wasm, name in names:
+            self.free.setdefault(wasm, []).append(name)
+        names.clear()
 
     def captured(self, action: Callable[[], None]) -> list[str]:
-        """The lines that an action emits, instead of emitting them. Temporaries in use stay in use."""
-        held, self.lent = self.lent, []
-        outer, self.lines = self.lines, []
+        """The lines that an action emits, as part of a statement: its temporaries stay in use until that ends."""
+        outer, self.lines = (self.lines, self.capturing), []
+        self.capturing = True
         action()
-        made, self.lines = self.lines, outer
-        self.lent = held + self.lent
+        made = self.lines
+        self.lines, self.capturing = outer
         return made
 
     def label(self, name: str) -> str:
@@ -99,16 +104,21 @@ class FunctionEmitter(Inlining):
         return self._local(wasm, "k")
 
     def borrow(self, wasm: str) -> str:
-        """A local until this code ends: `release` gives it to what comes after code that is taken in."""
+        """A local until this code ends."""
         pool = self.free.setdefault(wasm, [])
         name = pool.pop() if pool else self._local(wasm)
         self.borrowed.append((wasm, name))
         return name
 
+    def take_free(self, caller: FunctionEmitter) -> None:
+        """The locals that the caller does not need are used by code that is taken in."""
+        self.free, caller.free = caller.free, {}
+
     def release(self) -> None:
-        for wasm, name in self.borrowed:
-            self.free[wasm].append(name)
-        self.borrowed.clear()
+        """Code that was taken in gives its locals back; they are free again after the statement that it is part of."""
+        self._give_back(self.lent)
+        self._give_back(self.borrowed)
+        self.caller.lent += [(wasm, name) for wasm, names in self.free.items() for name in names]
 
     def frame(self, size: int, alignment: int) -> int:
         """Room in the stack frame: its offset."""

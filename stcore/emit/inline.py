@@ -34,13 +34,13 @@ class Inlinable:
         return body[-1].end - body[0].start if body else 0
 
     def suits(self, pou: Pou) -> bool:
-        if pou in self.called:
+        if pou in self.called or self.size(pou) > (ONCE if pou.calls == 1 else SMALL):
             return False
         open_array = any(getattr(p.type, "open", 0) for p in pou.parameters)
         if pou.kind == "PROGRAM" or pou.external or open_array or not pou.checked:
             self.called.add(pou)
             return False
-        return self.size(pou) <= (ONCE if pou.calls == 1 else SMALL)
+        return True
 
 
 class Inlining(Statements):
@@ -94,6 +94,7 @@ class Inlining(Statements):
             inner._in_outs()
             inner.body(pou.tree.body)
         except NeedsFrame:
+            inner.release()
             self.module.inlining.called.add(pou)
             return None
         if "hidden" not in pou.attributes:
@@ -122,6 +123,7 @@ class Inlining(Statements):
         if size > SMALL:
             known.called.add(pou)  # from here on: its one call may be met again where its caller is taken in elsewhere
         inner = type(self)(self.module, pou, pou.source, caller=self)
+        inner.take_free(self)
         inner.exit_label = self.label("return")
         inner.room = SMALL if size <= SMALL else ROOM
         return inner

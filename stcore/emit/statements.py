@@ -6,7 +6,7 @@ from stcore import syntax as s
 from stcore import types as t
 from stcore.check.width import held, wide
 from stcore.emit.calls import Calls
-from stcore.emit.changes import changes
+from stcore.emit.changes import acts, changes
 from stcore.emit.counting import Counting
 from stcore.emit.ranges import Range, range_of
 from stcore.emit.values import constant, convert, load, number, store, wasm_type, wrap
@@ -72,6 +72,8 @@ class Statements(Calls):
             self.line(self.copy_text(target.type, self.address_of(target), node.value))
             self.forget(target, stored=True)
         else:
+            if acts(target):
+                target = self.pinned(target)  # it is worked out before the value
             suits = self.suits(target)
             local = suits or isinstance(target.symbol, Var) and self.local_of(target.symbol)
             value = self.narrow(node.value) if local else self.value(node.value)

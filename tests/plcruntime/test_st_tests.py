@@ -157,7 +157,7 @@ def test_what_is_no_test(tmp_path):
     )
     file = TestFile(tmp_path / "test_b.st")
     messages = [file.run(t).message for t in file.tests]
-    assert messages == ["a test takes no parameters", "a FUNCTION_BLOCK can't be a test; PROGRAM and FUNCTION can"]
+    assert messages == ["a test takes no parameters", "a FUNCTION_BLOCK can't be a test; PROGRAM, FUNCTION and METHOD can"]
 
 
 # ------------------------------------------------------------------------------------------------- command
@@ -242,7 +242,7 @@ def test_the_tests_of_the_page_pass(tmp_path):
     page = (Path(__file__).parents[2] / "docs" / "testing.md").read_text(encoding="utf-8")
     (tmp_path / "test_page.st").write_text(page.split("```iecst\n")[1].split("```")[0])
     file = TestFile(tmp_path / "test_page.st")
-    assert [file.run(t).message for t in file.tests] == ["", ""]
+    assert [file.run(t).message for t in file.tests] == ["", "", "", ""]
 
 
 def test_arrays_and_structures_are_compared_by_their_parts(folder, capsys):
@@ -395,7 +395,7 @@ def test_methods_that_are_tests(methods):
     results = {t.name: file.run(t) for t in file.tests}
     assert [n for n, r in results.items() if r.passed] == ["Opening.starts_closed", "Opening.opens_once"]
     failed = results["Opening.counts"]
-    assert (failed.assertion.expected, failed.assertion.actual, failed.line) == ("2", "1", 35)
+    assert (failed.assertion.expected, failed.assertion.actual, failed.line) == ("2", "1", 34)
     assert results["Opening.with_input"].message == "a test takes no parameters"
     assert "does not return STRING" in results["Opening.with_result"].message
     assert "a METHOD is called once" in results["Opening.with_stimuli"].message
