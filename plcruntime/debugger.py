@@ -17,9 +17,10 @@ from typing import TYPE_CHECKING
 from plcruntime.breakpoints import Breakpoint, Breakpoints
 from plcruntime.builds import Builds
 from plcruntime.typed import Result
+from stcore.faults import Fault
 from stcore.known import Scene
 from stcore.paths import instance_at
-from stcore.program import DEPTH, HOOK_SLOTS, STOP, STOP_DEPTH, Body, Site
+from stcore.program import ASKING, DEPTH, HOOK_SLOTS, STOP, STOP_DEPTH, Body, Site
 from stcore.side import condition
 
 if TYPE_CHECKING:
@@ -69,10 +70,12 @@ class Outcome:
 
 @dataclass(slots=True)
 class _Check:
-    """A breakpoint's condition in one body, linked. flag: the slot where the module asks it, 1 if the host has to."""
+    """A breakpoint's condition in one body, linked. flag: the slot where the module asks it, 1 if the host has to.
+    safe: it can't fail."""
 
     holds: Callable[[int, int], int]
     flag: int
+    safe: bool
 
 
 @dataclass(slots=True)
@@ -244,11 +247,11 @@ class Debugger:
 
     # ------------------------------------------------------------------------------------- in the thread
 
-    def _arm(self, order: _Order) -> None:
-        """Tell the probes where to stop."""
+    def _arm(self, order: _Order, *, careful: bool = False) -> None:
+        """Tell the probes where to stop. careful: the host asks the conditions that might fail."""
         memory = self._engine.machine.memory
         if self.breakpoints.program is not None:
-            self.breakpoints.write_flags(memory, self._flag)
+            self.breakpoints.write_flags(memory, lambda point, body: self._flag(point, body, careful))
         mode = order.mode or (1 if self.breakpoints.active else 0)
         struct.pack_into("<i", memory, STOP, max(mode, 0))
         struct.pack_into("<i", memory, STOP_DEPTH, order.depth)
@@ -258,25 +261,44 @@ class Debugger:
         events = order.events
         struct.pack_into("<i", self._engine.machine.memory, DEPTH, 0)
         try:
-            reached = False
+            reached = again = False
             while order.left > 0 and not reached:
                 before = self._engine.scans
                 # what is recorded can't be taken out in the middle of a scan: nothing may be left of scans before
-                count = 1 if self._engine.recorder.active else order.left
-                reached = self._engine.advance(count, until=order.until, realtime=order.realtime)
+                count = 1 if self._engine.recorder.active or again else order.left
+                try:
+                    reached = self._engine.advance(count, until=order.until, realtime=order.realtime)
+                    careful, again = again, False
+                except Fault:
+                    if not self._undo_failed_condition():
+                        raise
+                    careful, again = False, True  # the host asks, and finds the place
                 if self._touched:
                     self._touched = False
                     self._engine.start_history()
                 # after a scan that waited there may be another order, and the run has ended at its boundary
                 order.left -= self._engine.scans - before if order is self._order else 0
                 if order is not self._order:
-                    order = self._order
+                    order, careful = self._order, True
                     order.left -= 1
+                if careful or again:
+                    self._arm(order, careful=again)
             events.put(("done", reached))
         except Abandoned:
             events.put(("done", False))
         except BaseException as error:
             events.put(("error", error))
+
+    def _undo_failed_condition(self) -> bool:
+        """Whether the fault is that of a breakpoint's condition, asked inside the module: then the scan is undone."""
+        memory = self._engine.machine.memory
+        if not struct.unpack_from("<i", memory, ASKING)[0]:
+            return False
+        struct.pack_into("<i", memory, ASKING, 0)
+        struct.pack_into("<i", memory, STOP, 0)
+        struct.pack_into("<i", memory, DEPTH, 0)
+        self._engine.go_to(self._engine.scans)
+        return True
 
     def _on_probe(self, site: int, body: int, this: int, frame: int) -> None:
         if self._deaf or self._order is None:
@@ -308,7 +330,8 @@ class Debugger:
         try:
             return bool(self._check(point, stop.body).holds(stop.this, stop.frame))
         except Exception as error:  # whatever the condition does wrong, the user shall see it at its place
-            stop.note = f"the condition failed: {error}"
+            why = f"{error.message} ({error.code})" if isinstance(error, Fault) else str(error)
+            stop.note = f"the condition failed: {why}"
             return True
         finally:
             self._deaf = False
@@ -321,26 +344,26 @@ class Debugger:
             names = self._plc.typed.names(program)
             condition(names, point.condition, _scene(body))
 
-    def _flag(self, point: Breakpoint, body: Body) -> int:
+    def _flag(self, point: Breakpoint, body: Body, careful: bool) -> int:
         """What the module finds at a breakpoint: 1, or where it can ask the condition by itself."""
         if point.condition is None:
             return 1
         try:
-            return self._check(point, body).flag
+            check = self._check(point, body)
         except Exception:  # told by _holds, where it stops
             return 1
+        return 1 if careful and not check.safe else check.flag
 
     def _check(self, point: Breakpoint, body: Body) -> _Check:
-        """The condition of a breakpoint, linked once. The module asks it where it can't fail: a fault would be the
-        program's."""
+        """The condition of a breakpoint, linked once. The module asks it, while there is room in the table of hooks."""
         mark = (point.number, id(body))
         if mark not in self._checks:
             machine = self._engine.machine
             side = self._plc.typed.condition(point.condition, _scene(body), self._checks_size)
             self._checks_size += (side.size + 15) // 16 * 16
             free = set(HOOK_SLOTS) - {c.flag for (n, _), c in self._checks.items() if n in self.breakpoints.points}
-            flag = machine.hook(min(free), side) if side.simple and free else 1
-            self._checks[mark] = _Check(machine.side(side), flag)
+            flag = machine.hook(min(free), side) if free else 1
+            self._checks[mark] = _Check(machine.side(side), flag, side.simple)
         return self._checks[mark]
 
     def _suspend(self, stop: Stop) -> None:
@@ -359,7 +382,7 @@ class Debugger:
             if isinstance(request, _Order):
                 request.events = self._order.events
                 self._order = request
-                self._arm(request)
+                self._arm(request, careful=True)  # a scan that has waited is not undone
                 return
             self._deaf = True
             try:

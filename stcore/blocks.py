@@ -23,13 +23,13 @@ _ELSE, _ELSIF, _UNTIL, _VAR, _IF = (KIND[n] for n in ("ELSE", "ELSIF", "UNTIL", 
 def repair(r: Repairs, at: int) -> int | None:
     """Handle a block that does not match at token `at`; the token to go on from, or None when that is not the case."""
     kind = r.tokens.kinds[at]
-    if kind == _VAR and r.machine.states[-1] in r.statement_anchors:
+    if kind == _VAR and r.machine.states[-1] in r.anchors.statement:
         return _late_section(r, at)
     if kind not in CLOSING and kind not in UNIT_STARTERS and kind != 0:
         return None
     blocks = r.open_blocks()
     closers = _closers(r, at, blocks)
-    between = r.machine.states[-1] in r.anchors or r.reads(len(r.machine.values), (_IF,), at, at) == at
+    between = r.machine.states[-1] in r.anchors.any or r.reads(len(r.machine.values), (_IF,), at, at) == at
     if not between and not closers:
         return None
     r.settled = -1  # blocks don't go wrong because of a slip shortly before

@@ -44,7 +44,7 @@ def lost_semicolon(r: Repairs, at: int) -> int | None:
     tokens = r.tokens
     if at == 0 or not (tokens.kinds[at] == 0 or tokens.starts_line(at)):
         return None
-    if r.machine.states[-1] in r.anchors or tokens.kinds[at - 1] in END_KINDS:
+    if r.machine.states[-1] in r.anchors.any or tokens.kinds[at - 1] in END_KINDS:
         return None  # nothing there that it could end
     if tokens.kinds[at - 1] == NAME and tokens.starts_line(at - 1) and near_keywords(tokens.texts[at - 1]):
         return None  # VAR_INPT alone on its line is no call
@@ -135,7 +135,7 @@ def _joined(left: str, right: str, texts: list[str]) -> str:
 def bare_program(r: Repairs, at: int) -> int | None:
     """Declarations and statements with no PROGRAM around them become PROGRAM PLC_PRG, once a file."""
     tokens, kinds = r.tokens, r.tokens.kinds
-    if r.machine.states[-1] not in r.unit_anchors or kinds[at] not in _STATEMENT_STARTERS:
+    if r.machine.states[-1] not in r.anchors.unit or kinds[at] not in _STATEMENT_STARTERS:
         return None
     units = r.machine.values[-1] if r.machine.values else []
     if r.reads_program or any(isinstance(u, s.Pou) and u.kind == "PROGRAM" for u in units):

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 
 
 def nearest(name: str, known: Iterable[str], count: int = 3) -> list[str]:
     """Up to `count` names that look like `name`, the nearest first; case does not matter."""
+    from difflib import get_close_matches  # a program without mistakes starts without it
+
     spelling = {k.upper(): k for k in known}
     return [spelling[n] for n in get_close_matches(name.upper(), spelling, count, 0.75)]
 

@@ -11,7 +11,7 @@ import functools
 import gc
 from collections.abc import Callable
 
-from stcore import build, build_statements, depth, lexer, repair, tables
+from stcore import build, build_statements, depth, lexer, tables
 from stcore import syntax as s
 from stcore.diagnostics import Reporter
 from stcore.lexer import Tokens
@@ -65,6 +65,13 @@ def _functions() -> list[Callable]:
     return [getattr(build, name, None) or getattr(build_statements, name) for name in _table().names]
 
 
+@functools.cache
+def _anchors():
+    from stcore.repair import Anchors
+
+    return Anchors.of(_table())
+
+
 class Machine:
     """One parse. The repair reads and changes its stacks and its tokens."""
 
@@ -79,7 +86,13 @@ class Machine:
         self.states: list[int] = []
         self.values: list = []
         self.firsts: list[int] = []
-        self.repairs = repair.Repairs(self)
+
+    @functools.cached_property
+    def repairs(self):
+        """What knows how to go on; made at the first token that cannot follow."""
+        from stcore.repair import Repairs
+
+        return Repairs(self, _anchors())
 
     def run(self, start: str):
         """The value of the start symbol, or None when no repair leads to one."""

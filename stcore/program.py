@@ -34,8 +34,9 @@ TRACE = 80  # UDINT address of the control words of the recorder (plcruntime/rec
 UNTIL = 96  # DINT, number of conditions that end a run: those in the first slots of the table
 STOP = 100  # DINT, probed builds: 0 run on, 1 stop at flagged sites, 2 at every statement that is not too deep
 DEPTH = 104  # DINT, probed builds: calls of POUs that are under way
-ALONE = 112  # DINT, the number (from 1) of the test that runs; 0 none
 STOP_DEPTH = 108  # DINT, probed builds: the depth up to which STOP = 2 stops
+ALONE = 112  # DINT, the number (from 1) of the test that runs; 0 none
+ASKING = 116  # DINT, probed builds: 1 while the condition of a breakpoint is asked, so that a fault is known to be its own
 TASK_RATIOS = 128  # DINT for each task: it runs when SCAN MOD ratio = 0
 NULL_PAGE = 1024
 HOOK_SLOTS = range(48, 64)  # of the table of hooks: conditions of breakpoints; those below are conditions of a run

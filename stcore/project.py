@@ -6,7 +6,6 @@ only when a program uses them. Code of the library sees the library only: a user
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -192,6 +191,8 @@ class Project:
 
     def _listings(self) -> list[dict]:
         if self._listing_tables is None:
+            import tomllib  # only printed listings need it
+
             files = [folder / "listings.toml" for folder in self.libraries]
             self._listing_tables = [tomllib.loads(f.read_text(encoding="utf-8")) for f in files if f.exists()]
         return self._listing_tables

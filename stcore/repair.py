@@ -7,7 +7,7 @@ how far the rest of the file then reads (stcore/blocks.py). What nothing repairs
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from stcore import blocks, mend, tables
 from stcore.lexer import KIND, NAME, TERMINALS
@@ -20,15 +20,33 @@ if TYPE_CHECKING:
 MAX_REPAIRS = 200  # of one file; after that it is something else than ST
 _SETTLED = 3  # tokens read since the last error, before the next one is its own
 
-# a state before one of these lists, or in it, is where reading can begin again
 _LISTS = ("statement", "declaration", "unit", "section", "type_declaration", "config_item", "case")
+
+
+class Anchors(NamedTuple):
+    """States of the parser where reading can begin again: before a list of the language or in it."""
+
+    any: set[int]
+    statement: set[int]
+    unit: set[int]
+
+    @classmethod
+    def of(cls, table: tables.Table) -> Anchors:
+        def before(wanted: set[int]) -> set[int]:
+            return {i for i, row in enumerate(table.gotos) if not wanted.isdisjoint(row)}
+
+        names = table.nonterminals
+        lists = {i for i, name in enumerate(names) if name.removesuffix("s") in _LISTS}
+        units = {names.index("unit"), names.index("units")}
+        return cls(before(lists), before({names.index("statement")}), before(units))
 
 
 class Repairs:
     """The repairs of one parse."""
 
-    def __init__(self, machine: Machine) -> None:
+    def __init__(self, machine: Machine, anchors: Anchors) -> None:
         self.machine = machine
+        self.anchors = anchors
         self.tokens = machine.tokens
         self.table = machine.table
         self.count = 0
@@ -37,13 +55,6 @@ class Repairs:
         self.lost: dict[int, int] = {}  # closers whose opener was skipped
         self.reads_program = False  # statements stood alone: their END_PROGRAM is not missed
         self.prompt = machine.prompt  # what was typed at a prompt needs no semicolon at its end
-        names = self.table.nonterminals
-        numbers = {i for i, name in enumerate(names) if name.removesuffix("s") in _LISTS}
-        self.anchors = {i for i, row in enumerate(self.table.gotos) if numbers & row.keys()}
-        statement = names.index("statement")
-        self.statement_anchors = {i for i, row in enumerate(self.table.gotos) if statement in row}
-        units = {names.index("unit"), names.index("units")}
-        self.unit_anchors = {i for i, row in enumerate(self.table.gotos) if units & row.keys()}
 
     # -------------------------------------------------------------------------------------------------- entry
 
@@ -119,7 +130,7 @@ class Repairs:
         """The innermost entry that is a list of statements, declarations, ...; -1 for the bottom of the stack."""
         states = self.machine.states
         for entry in range(len(states) - 2, -1, -1):
-            if states[entry + 1] in self.anchors:
+            if states[entry + 1] in self.anchors.any:
                 return entry
         return -1
 
@@ -264,7 +275,7 @@ class Repairs:
         tokens, kinds, machine = self.tokens, self.tokens.kinds, self.machine
         found = self.found(at)
         self.report("E0101", at, at + 1, found=found, hint=self._expected(len(machine.values)))
-        entries = [e for e in range(len(machine.states) - 1) if machine.states[e + 1] in self.anchors]
+        entries = [e for e in range(len(machine.states) - 1) if machine.states[e + 1] in self.anchors.any]
         semi = KIND["SEMI"]
         first = at + (at in self.panics)
         self.panics.add(at)

@@ -10,6 +10,8 @@ Names keep the spelling of the source; every comparison in the compiler folds ca
 
 from __future__ import annotations
 
+from operator import attrgetter
+
 ANNOTATIONS = ("type", "const", "symbol")  # what the checker adds to an expression; None until then
 
 
@@ -30,10 +32,11 @@ class Node:
         namespace: dict = {}
         exec("\n".join(lines), namespace)
         cls.__init__ = namespace["__init__"]
+        cls._given = attrgetter("start", "end", *cls.fields)
 
     def __reduce__(self):
         """Pickle what the parser built, without the checker's annotations."""
-        return type(self), (self.start, self.end, *(getattr(self, f) for f in self.fields))
+        return type(self), self._given(self)
 
     def __repr__(self) -> str:
         inner = ", ".join(f"{f}={getattr(self, f)!r}" for f in self.fields)

@@ -2,6 +2,8 @@
 
 import pytest
 
+from plcruntime import PLC
+
 GEAR = {"Acceleration": 5000.0, "Deceleration": 5000.0}
 
 
@@ -256,6 +258,63 @@ def test_a_cam_is_not_jumped_to(bench):
     assert bench["cam.Busy"] and not bench["cam.InSync"]
     bench.until("cam.InSync")
     assert bench["ax.fSetPosition"] == pytest.approx(0.0, abs=1e-9)
+
+
+TWO_CAMS = """
+PROGRAM P
+VAR
+    m, s : AXIS_REF_SM3; on, on2 : MC_Power; run : MC_MoveVelocity; go : BOOL;
+    a, b : MC_CamIn; selectA, selectB : MC_CamTableSelect;
+    first : MC_CAM_REF := (byType := 2, nElements := 2); behind : MC_CAM_REF := (byType := 2, nElements := 2);
+END_VAR
+first.Element[2].dX := 100; first.Element[2].dY := 50; behind.Element[2].dX := 100;
+on(Axis := m, Enable := TRUE, bRegulatorOn := TRUE, bDriveStart := TRUE);
+on2(Axis := s, Enable := TRUE, bRegulatorOn := TRUE, bDriveStart := TRUE);
+selectA(Master := m, Slave := s, CamTable := first, Execute := on2.Status);
+selectB(Master := m, Slave := s, CamTable := behind, Execute := on2.Status);
+run(Axis := m, Execute := on2.Status, Velocity := 200, Acceleration := 2000, Deceleration := 2000);
+a(Master := m, Slave := s, Execute := selectA.Done, CamTableID := selectA.CamTableID);
+b(Master := m, Slave := s, Execute := go, CamTableID := selectB.CamTableID, BufferMode := mcBuffered);
+END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize(("begin", "error"), [(50.0, 0), (20.0, 40)])
+def test_a_cam_that_waits_is_not_jumped_to(begin, error):
+    """Absolute cams: the first ends at 50; the second begins there, or somewhere else."""
+    plc = PLC.load(TWO_CAMS)
+    plc["P.behind.Element[1].dY"], plc["P.behind.Element[2].dY"] = begin, begin
+    plc.scan(100)
+    plc["P.go"] = True
+    plc.run_until("P.a.EndOfProfile", timeout="2s")
+    plc.scan(2)
+    assert plc["P.m.fSetPosition"] == pytest.approx(100.0, abs=1.0) and plc["P.a.CommandAborted"]
+    assert plc["P.b.ErrorID"] == error and plc["P.b.Busy"] == (error == 0)
+    assert plc["P.s.nAxisState"] == (1 if error else 6) and plc["P.s.fSetPosition"] == pytest.approx(50.0, abs=0.25)
+
+
+def test_a_periodic_cam_of_absolute_positions_has_to_end_where_it_begins(bench):
+    cam(bench, [(0, 0), (100, 50)], 2)
+    camin(bench)
+    bench.start("run", 200, Velocity=200.0, Acceleration=2000.0)
+    assert bench["cam.InSync"]
+    bench["calm"] = False
+    bench.until("cam.Error", 1000)
+    assert bench["cam.ErrorID"] == 40 and bench["ax.fSetPosition"] == pytest.approx(50.0, abs=0.5)
+
+
+@pytest.mark.parametrize(("mode", "sign"), [(2, -1), (3, 1), (4, -1)])
+def test_a_modulo_slave_ramps_to_its_cam_in_a_direction(bench, mode, sign):
+    """The slave stands at 30 degrees, the cam has it at 0: backwards is the shorter way."""
+    bench["ax.iMovementType"] = 0
+    bench.start("relative", Distance=30.0)
+    bench.until("relative.Done")
+    cam(bench, [(0, 0), (100, 0)], 2)
+    way = bench.plc.axes[1].prfPos
+    camin(bench, StartMode=mode, VelocityDiff=100.0)
+    bench["calm"] = False  # the position passes the period
+    bench.until("cam.InSync")
+    assert bench.plc.axes[1].prfPos - way == pytest.approx(330.0 if sign > 0 else -30.0, abs=1e-6)
 
 
 def test_lines_and_wrong_tables(bench):

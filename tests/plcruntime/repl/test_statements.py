@@ -206,7 +206,12 @@ def test_a_changed_file_beside_the_source_is_refused(source, capsys):
 def loop(tmp_path):
     """A debugger that counts how often the module has called it."""
     text = "FOR i := 0 TO 4 DO\n  k := k + 1;\nEND_FOR\nn := n + 1;" + "\nk := k;" * 20
-    (tmp_path / "p.st").write_text(f"PROGRAM P\nVAR n, i, k : INT; END_VAR\n{text}\nEND_PROGRAM")
+    program = f"PROGRAM P\nVAR n, i, k : INT; a : ARRAY[0..30] OF INT; END_VAR\n{text}\nEND_PROGRAM\n"
+    functions = [
+        f"FUNCTION {name} : INT\nVAR_INPUT x : INT; END_VAR\n{name} := {value};\nEND_FUNCTION\n"
+        for name, value in (("Halved", "x / 2"), ("Tenth", "10 / x"))
+    ]
+    (tmp_path / "p.st").write_text(program + "".join(functions))
     debugger = Debugger(PLC.load(tmp_path / "p.st"))
     debugger.attach()
     called, usual = [], debugger._engine.machine.on_probe
@@ -225,11 +230,38 @@ def test_simple_conditions_are_asked_inside_the_module(loop):
     assert plc.scans == 100 and plc["P.n"] == 100 and len(loop.calls) == 1
 
 
-def test_a_condition_that_may_fail_is_asked_by_the_host(loop):
-    loop.breakpoints.add("P", 4, "k / (n - 20) > 1000")  # no fault of the program
+@pytest.mark.parametrize(
+    "line, condition, scan, calls, fails",
+    [
+        (6, "k / (n - 20) > 1000", 20, 1, True),  # it is asked once in that scan
+        (4, "10 / (k - 23) > 1000", 4, 4, True),  # k is 20 when the scan begins
+        (4, "a[k] > 100", 6, 2, True),
+        (4, "Halved(k) = 16", 6, 1, False),
+        (4, "Halved(a[k]) = 16", 6, 2, True),
+        (4, "Tenth(k - 23) = 16", 4, 4, True),
+    ],
+)
+def test_a_condition_that_may_fail_is_asked_inside_the_module_too(loop, line, condition, scan, calls, fails):
+    point = loop.breakpoints.add("P", line, condition)
+    loop.breakpoints.add("Halved", 1)  # what a condition calls does not stop
+    plc = loop._plc
     outcome = loop.run(200)
-    assert outcome.stop.note.startswith("the condition failed") and loop._plc.scans == 20
-    assert loop._plc.fault is None and len(loop.calls) == 101
+    assert plc.fault is None and plc.scans == scan
+    assert len([site for site, *_ in loop.calls if site in point.sites]) == calls
+    assert outcome.stop.note.startswith("the condition failed") == fails
+    loop.breakpoints.remove(None)
+    assert loop.run(200 - scan).stop is None
+    assert plc.scans == 200 and plc.evaluate("P.n") == 200 and plc.evaluate("P.k") == 1000
+
+
+def test_a_condition_that_fails_after_a_stop_in_the_same_scan(loop):
+    loop.breakpoints.add("P", 4, "k = 21")
+    loop.breakpoints.add("P", 6, "a[n * 10] > 0")
+    seen = []
+    for _ in range(3):
+        stop = loop.run(200).stop
+        seen.append((stop.breakpoint, stop.site.line, bool(stop.note), loop._plc.scans))
+    assert seen == [(1, 4, False, 4), (2, 6, True, 4), (2, 6, True, 5)]
 
 
 def test_two_conditions_at_one_statement(loop):
