@@ -252,6 +252,22 @@ def test_override_scales_what_runs(bench):
     assert bench["ax.fSetPosition"] == 2000.0
 
 
+def test_override_scales_what_is_superimposed(bench):
+    bench["override.Enable"] = True
+    bench.start("velocity", 100, Velocity=500.0)
+    bench.start("over", 50, Distance=100.0, VelocityDiff=200.0)
+    start, at = bench["ax.fSetPosition"], bench["scans"]
+    for factor in (0.5, 0.0, 0.25):
+        bench["override.VelFactor"] = factor
+        bench.scan(80)
+        assert bench["ax.fSetVelocity"] == pytest.approx(700.0 * factor), factor
+        assert bench["over.Busy"]
+    bench["override.VelFactor"] = 1.0
+    bench.until("over.Done")
+    assert bench["over.CoveredDistance"] <= 100.0 and bench["ax.fSetVelocity"] == 500.0
+    assert bench["scans"] > at and bench["ax.fSetPosition"] > start
+
+
 def test_a_way_of_no_length_between_two_moves_takes_no_time(bench):
     """5.1 ms with 10 000 u/s2 up and down are 0.2601 u; what follows begins then and there."""
     begin = bench["scans"]

@@ -290,8 +290,10 @@ def test_probe_records_once(number):
 
 
 @pytest.mark.parametrize(
-    ("modulo", "first", "last", "hits"), [(False, 10, 20, [15]), (True, 350, 10, [5, 355]), (False, 20, 10, None)]
-)
+    ("modulo", "first", "last", "hits"),
+    [(False, 10, 20, (10, 20)), (True, 350, 10, (350, 370)), (True, 350, 370, (350, 370)), (True, -10, 5, (350, 365)),
+     (False, 20, 10, None), (False, float("nan"), 10, None)],
+)  # fmt: skip
 def test_probe_window(modulo, first, last, hits):
     plc = load(PROBE, PROBING)
     if modulo:
@@ -305,13 +307,14 @@ def test_probe_window(modulo, first, last, hits):
         assert plc["P.probe.ErrorID"] == 401
         return
     plc["P.velocity.Execute"] = True
+    plc.scan(150)  # past 0, where it began: 10 u
     for _ in range(4000):
         plc.axes[1].switches.probe1 = not plc.axes[1].switches.probe1
         plc.scan()
         if plc["P.probe.Done"]:
             break
     position = plc["P.probe.RecordedPosition"]
-    assert first <= position <= last or (modulo and (position >= first or position <= last))
+    assert plc["P.probe.Done"] and (hits[0] <= position <= hits[1] or hits[0] <= position + 360 <= hits[1])
 
 
 def test_abort_trigger():
