@@ -152,7 +152,7 @@ def _emit(
 ) -> Program:  # fmt: skip
     hooks = [p for p in project.reached if "call_after_scan" in p.attributes]
     emitter = ModuleEmitter(project, probes)
-    kept = [p for p in pous if not p.tree.generics and p.kind != "INTERFACE"]
+    kept = [p for p in pous if not p.tree.generics]
     wasm = assemble(emitter.emit(tasks, hooks, kept))
     load_ahead(wasm)
     program = Program(

@@ -304,7 +304,7 @@ class Declarer:
             pou.type = t.Block(tree.name, tree.kind, file=self.source.path, attributes=tree.attributes)
             self.project.block_pous[pou.type] = pou
             self.project.named_types[key(tree.name)] = pou.type
-            if tree.extends is not None or tree.implements or tree.methods or key(tree.name) in self.project.extensions:
+            if tree.kind == "FUNCTION_BLOCK":
                 objects.extend(self, pou)
             self._variables(pou)
             if tree.methods:

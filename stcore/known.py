@@ -47,6 +47,7 @@ class Names:
         self.library_short: dict[str, dict[str, Var]] = defaultdict(dict)
         self.block_pous: dict[t.Block, Pou] = {}
         self.exports: dict[Pou, str] = {}
+        self.choosers: dict[Pou, str] = {}  # exports that find out whose method or body an instance has
         self.defaults: dict[Var, bytes] = {}
         self._types()
         self._routines()
@@ -61,9 +62,16 @@ class Names:
                 continue
             self.others.setdefault(name, TypeName(kind))
             self.library.setdefault(name, TypeName(kind))
+            if isinstance(kind, t.Interface):
+                pou = Pou("INTERFACE", kind.name, _tree("INTERFACE", kind.name), NOWHERE, type=kind, checked=True)
+                self.block_pous[kind.target] = pou
             if isinstance(kind, t.Enum):
                 for label, number in kind.values.items():
                     self.others.setdefault(key(label), EnumValue(kind, number))
+        for kind, pou in self.block_pous.items():
+            pou.base = self.block_pous.get(kind.base)
+            if isinstance(pou.type, t.Interface):
+                pou.interfaces = [self.block_pous[b.target] for b in pou.type.bases]
 
     def _block(self, kind: t.Block) -> Pou:
         """The POU of a block whose tree is not at hand."""
@@ -91,12 +99,17 @@ class Names:
 
     def _routines(self) -> None:
         for name, routine in self.program.routines.items():
-            if not routine.export:
+            if not routine.export and not routine.chooser:
                 continue
-            pou = self._function(routine) if routine.kind == "FUNCTION" else self._code(routine)
+            if routine.kind in s.WRITTEN:
+                pou = self._method(name, routine)
+            else:
+                pou = self._function(routine) if routine.kind == "FUNCTION" else self._code(routine)
             if pou is None:
                 continue
             self.exports[pou] = routine.export
+            if routine.chooser:
+                self.choosers[pou] = routine.chooser
             if routine.kind == "FUNCTION":
                 self.others[name] = pou
                 if routine.library:
@@ -104,7 +117,7 @@ class Names:
 
     def _function(self, routine: Routine) -> Pou:
         pou = Pou("FUNCTION", routine.name, _tree("FUNCTION", routine.name), NOWHERE, routine.library, checked=True)
-        pou.symbol = f"$plc.{routine.export}"
+        pou.symbol = f"$plc.{routine.export or routine.chooser}"
         pou.attributes = routine.attributes
         pou.writes_outside = True
         for p in routine.parameters:
@@ -113,6 +126,20 @@ class Names:
             pou.parameters.append(var)
         if routine.result is not None:
             pou.result = Var(routine.name, routine.result, "local", section="RESULT", owner=pou)
+        return pou
+
+    def _method(self, path: str, routine: Routine) -> Pou | None:
+        """A method of a block or interface that is known; path: Block.Method."""
+        holder, _, name = path.partition(".")
+        kind = self.program.types.get(holder)
+        kind = kind.target if isinstance(kind, t.Interface) else kind
+        pou = self._function(routine)
+        pou.name = routine.name.split(".")[1]
+        pou.kind, pou.tree, pou.holder = routine.kind, _tree(routine.kind, pou.name), self.block_pous.get(kind)
+        if pou.holder is None:
+            return None
+        pou.type = pou.holder.type
+        pou.holder.methods[name] = pou
         return pou
 
     def _parameter(self, parameter: Parameter, pou: Pou) -> Var:
@@ -253,6 +280,7 @@ class Known(CheckedProject):
         if scene.block is not None:
             known = self.block_pous[scene.block]
             pou.type = scene.block
+            pou.base, pou.methods, pou.actions = known.base, known.methods, known.actions
             pou.variables.update({n: v for n, v in known.variables.items() if v.section != "VAR_TEMP"})
         for i, (name, kind, offset, by_reference) in enumerate(scene.locals):
             var = Var(name, kind, "local", indirect=True)

@@ -17,7 +17,11 @@ from stcore import cache
 from stcore.source import read
 
 _COMMENT = re.compile(r"\(\*.*?\*\)|//[^\n]*|\{[^}]*\}|'(?:[^'$\n]|\$.)*'", re.S)
-_POU = re.compile(r"^\s*(?:PROGRAM|FUNCTION_BLOCK|FUNCTION)\s+(\w+)", re.M | re.I)
+_MODIFIERS = r"(?:(?:ABSTRACT|FINAL|PUBLIC|INTERNAL)\s+(?=\w+\s))*"
+_POU = re.compile(
+    rf"^\s*(?:PROGRAM|FUNCTION_BLOCK|FUNCTION|INTERFACE)\s+{_MODIFIERS}(\w+)(?:\s+EXTENDS\s+(?:\w+\.)*(\w+))?",
+    re.M | re.I,
+)
 _TYPES = re.compile(r"\bTYPE\b(.*?)\bEND_TYPE\b", re.S | re.I)
 _STRUCT = re.compile(r"\b(STRUCT|UNION)\b.*?\bEND_(STRUCT|UNION)\b", re.S | re.I)
 _TYPE_NAME = re.compile(r"(\w+)\s*:(?!=)")
@@ -28,10 +32,12 @@ _QUALIFIED = re.compile(r"\{\s*attribute\s+'qualified_only'", re.I)
 
 
 def names_of(text: str) -> set[str]:
-    """The names that a text defines for other files, upper case."""
+    """The names that a text defines for other files, upper case; and ``B<A`` for a block B that extends A."""
     qualified = bool(_QUALIFIED.search(text))
     text = _COMMENT.sub(" ", text)
-    names = {m.upper() for m in _POU.findall(text)}
+    names = set()
+    for name, base in _POU.findall(text):
+        names |= {name.upper(), f"{name}<{base}".upper() if base else name.upper()}
     for body in _TYPES.findall(text):
         body = _STRUCT.sub(" ", body)
         names |= {m.upper() for m in _TYPE_NAME.findall(body)}

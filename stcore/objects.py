@@ -45,6 +45,7 @@ def extend(d: Declarer, pou: Pou) -> None:
         else:
             _inherit(pou, base)
     pou.interfaces = [x for x in (_interface(d, tree, name) for name in tree.implements) if x is not None]
+    block.interfaces = [x.type for x in pou.interfaces]
     if block.base.number if block.base is not None else _needs_number(d.project, tree, d.library):
         d.project.classes.append(block)
         block.number = len(d.project.classes)
@@ -87,7 +88,7 @@ def _family(project: Project, tree: s.Pou, library: bool) -> Iterator[s.Pou]:
         if key(block.name) not in seen:
             seen.add(key(block.name))
             yield block
-            todo += project.extensions.get(key(block.name), [])
+            todo += project.extensions.get(key(block.name), []) if library else project.extensions_of(key(block.name))
 
 
 # ------------------------------------------------------------------------------------------------- interfaces
@@ -134,7 +135,8 @@ def declare_methods(d: Declarer, pou: Pou) -> None:
         if first is not None:
             start = first.decl.start if isinstance(first, Var) else getattr(first, "tree", first).start
             _at_name(d, tree, "E0201", name=tree.name, line=d.source.position(start)[0])
-            continue
+            if isinstance(first, Pou):
+                continue
         method = Pou(tree.kind, tree.name, tree, d.source, d.library, pou.type, attributes=tree.attributes)
         method.holder = pou
         ascii_name = tree.name if tree.name.isascii() else f"method{len(pou.methods)}"

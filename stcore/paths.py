@@ -174,6 +174,7 @@ def _walk(program: Program, place: Place, steps: list[Step]) -> Place:
             place = place._through(place.name, place.type.target)
         kind = step[0]
         if kind == "name":
+            _no_code(program, place, step[1])
             place = member(place, step[1])
         elif kind == "index":
             place = _element(place, step[1])
@@ -186,6 +187,23 @@ def _walk(program: Program, place: Place, steps: list[Step]) -> Place:
     if isinstance(place.type, Pointer) and place.type.reference:
         place = place._through(place.name, place.type.target)
     return place
+
+
+def _no_code(program: Program, place: Place, name: str) -> None:
+    """Raises PathError for a property or a method: it has no memory, its value comes from code."""
+    block = place.type if isinstance(place.type, Block) else getattr(place.type, "target", None)
+    while isinstance(block, Block) and block.base is not None and name.upper() not in block.members:
+        if _is_code(program, block, name):
+            break
+        block = block.base
+    if isinstance(block, Block) and _is_code(program, block, name):
+        call = f"{place.name}.{name}"
+        raise PathError(f"{call} is code, not a variable: type it at the prompt, or plc.evaluate('{call}')")
+
+
+def _is_code(program: Program, block: Block, name: str) -> bool:
+    names = (f"{block.name}.{name}{accessor}".upper() for accessor in ("", ".GET", ".SET"))
+    return name.upper() not in block.members and any(n in program.routines for n in names)
 
 
 def member(place: Place, name: str) -> Place:

@@ -126,7 +126,8 @@ class Routine:
     of it was taken into its callers.
 
     parameters, result: of a FUNCTION or METHOD; a block has its own in its type. actions: upper-case name -> export.
-    chooser: of a method, the export that finds out whose method an instance has; '' where there is only this one.
+    chooser: the export that finds out which code an instance has in the place of this method or body; '' where there is
+    only this one.
     test: of a method that is a test, the export that runs it on an instance of its own.
     """
 

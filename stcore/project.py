@@ -33,7 +33,9 @@ class Project:
         self._listing_tables: list[dict] | None = None
         self.user: dict[str, Pending] = {}
         self.library: dict[str, Pending] = {}
-        self.sibling_index = index(siblings or [], recursive=False)
+        found = index(siblings or [], recursive=False)
+        self.sibling_index = {name: path for name, path in found.items() if "<" not in name}
+        self.sibling_extensions = [name.split("<") for name in found if "<" in name]  # (block, the one that it extends)
         self.library_index = index(libraries, recursive=True)
         self.loaded: dict[str, Source] = {}  # path -> source of every file read
         self.pous: list[Pou] = []  # declared, in order
@@ -168,6 +170,13 @@ class Project:
             self.add_file(read(path), library=True)
         return self.library.get(name)
 
+    def extensions_of(self, name: str) -> list[s.Pou]:
+        """The blocks of the user that extend the one of this upper-case name, those of the sibling files too."""
+        for block, base in self.sibling_extensions:
+            if base == name and block not in self.user and block in self.sibling_index:
+                self._load_sibling(block)
+        return self.extensions.get(name, [])
+
     def _load_sibling(self, name: str) -> Pending | None:
         """Take what is asked for from the sibling that the index names, and nothing else."""
         path = self.sibling_index[name]
@@ -199,7 +208,7 @@ class Project:
 
     def known_names(self, library: bool = False) -> list[str]:
         """Every global name there is, for 'did you mean'."""
-        names = [_spelt(n, path) for n, path in self.library_index.items() if n[-1] != "#"]
+        names = [_spelt(n, path) for n, path in self.library_index.items() if n[-1] != "#" and "<" not in n]
         if not library:
             for n, p in self.user.items():
                 names.append(getattr(p.tree, "name", None) or n)

@@ -20,7 +20,7 @@ from stcore.build_program import at_full_length
 from stcore.check import Checker
 from stcore.diagnostics import CompileError, Diagnostic, Reporter
 from stcore.emit import ModuleEmitter
-from stcore.emit.dispatch import signature
+from stcore.emit.dispatch import Dispatch, signature
 from stcore.emit.function import FunctionEmitter
 from stcore.emit.values import load, store
 from stcore.known import Known, Names, Scene
@@ -198,6 +198,7 @@ class _Emitter(ModuleEmitter):
         program = project.names.program
         self.areas = {"I": program.inputs[0], "Q": program.outputs[0], "M": program.markers[0]}
         self.imported: dict[str, str] = {}
+        self.dispatch = _Choosers(self)
 
     def need(self, pou: Pou) -> None:
         export = self.project.exports.get(pou)
@@ -208,6 +209,13 @@ class _Emitter(ModuleEmitter):
             return
         signature = self._signature(pou)
         self.imported[pou.symbol] = f'(import "plc" "{export}" (func {pou.symbol} {signature}))'
+
+    def choose(self, pou: Pou) -> str:
+        """The program's function that finds out which code an instance has in the place of this one."""
+        name = f"{pou.symbol}.of"
+        export = self.project.names.choosers[pou]
+        self.imported[name] = f'(import "plc" "{export}" (func {name} {self._signature(pou)}))'
+        return name
 
     def need_action(self, pou: Pou, action: s.Action) -> str:
         export = self.project.exports.get(pou)
@@ -223,9 +231,11 @@ class _Emitter(ModuleEmitter):
         return super().need_instance(pou, action, address)
 
     def _signature(self, pou: Pou) -> str:
-        if pou.kind != "FUNCTION":
+        if not pou.is_called:
             return "" if pou.kind == "PROGRAM" else "(param i32)"
         params, results = signature(pou)
+        if pou.holder is not None:
+            params.insert(0, "i32")
         head = f"(param {' '.join(params)})" if params else ""
         return f"{head} (result {' '.join(results)})" if results else head
 
@@ -262,6 +272,22 @@ class _Emitter(ModuleEmitter):
         image = self.image()[at:]
         text = "".join(f"\\{byte:02x}" for byte in image)
         return f'(data (i32.const {at}) "{text}")', size
+
+
+class _Choosers(Dispatch):
+    """Calls of which only the instance knows the code: the program's module decides."""
+
+    def __init__(self, emitter: _Emitter) -> None:
+        super().__init__([], emitter.need, str)
+        self.emitter = emitter
+
+    def is_only(self, code: Pou) -> bool:
+        return code not in self.emitter.project.names.choosers
+
+    def method(self, method: Pou) -> str:
+        return self.emitter.choose(method)
+
+    body = method
 
 
 def summary(diagnostics: list[Diagnostic]) -> str:

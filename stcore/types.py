@@ -244,8 +244,9 @@ class Block(Type):
     """A FUNCTION_BLOCK or PROGRAM as the type of its instances: a structure with code.
 
     kind: 'FUNCTION_BLOCK' or 'PROGRAM'. members in order of declaration, those of the base first. size is 4 at least,
-    so that two instances never share an address. base: the block that it EXTENDS. number: what its instances begin
-    with where a call may have to find out whose they are (stcore/objects.py); 0 where they have no such word.
+    so that two instances never share an address. base: the block that it EXTENDS. interfaces: those that it
+    IMPLEMENTS itself. number: what its instances begin with where a call may have to find out whose they are
+    (stcore/objects.py); 0 where they have no such word.
     """
 
     name: str
@@ -256,6 +257,7 @@ class Block(Type):
     file: str = ""
     attributes: dict = field(default_factory=dict)
     base: Block | None = None
+    interfaces: list[Interface] = field(default_factory=list)
     number: int = 0
 
     def extends(self, other: Type) -> bool:
@@ -264,6 +266,11 @@ class Block(Type):
         while block is not None and block is not other:
             block = block.base
         return block is not None
+
+    def implements(self, interface: Interface) -> bool:
+        """True if its instances may stand for the interface."""
+        own = any(i.extends(interface) for i in self.interfaces)
+        return own or self.base is not None and self.base.implements(interface)
 
 
 @dataclass(eq=False, slots=True, repr=False)

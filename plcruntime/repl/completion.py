@@ -10,7 +10,8 @@ from plcruntime.repl.commands import COMMANDS, split
 from plcruntime.repl.session import Session
 from stcore import paths
 from stcore.paths import PathError, Place
-from stcore.types import BOOL, Block, Enum, Pointer, Struct
+from stcore.program import Program
+from stcore.types import BOOL, Block, Enum, Interface, Pointer, Struct
 
 _PATH = re.compile(r"[^\W\d][\w.^]*(?:\[[^\]]*\][\w.^]*)*$|%\w*$")
 _TARGET = re.compile(r"([^\W\d][\w.^]*(?:\[[^\]]*\][\w.^]*)*)\s*(?::=|=|<>)\s*$")
@@ -98,7 +99,18 @@ def _members(session: Session, head: str) -> list[str]:
         return lists
     if isinstance(kind, Pointer) and kind.reference:
         kind = kind.target
-    return [f.name for f in kind.members.values()] if isinstance(kind, Struct | Block) else lists
+    if isinstance(kind, Interface):
+        return _methods(plc.program, kind)
+    if not isinstance(kind, Struct | Block):
+        return lists
+    return [f.name for f in kind.members.values()] + (_methods(plc.program, kind) if isinstance(kind, Block) else [])
+
+
+def _methods(program: Program, kind: Block | Interface) -> list[str]:
+    """Names of the methods and properties of a block or an interface, the inherited ones, too."""
+    bases = kind.bases if isinstance(kind, Interface) else [kind.base] if kind.base is not None else []
+    own = [r.name.split(".")[1] for n, r in program.routines.items() if n.startswith(f"{kind.name}.".upper())]
+    return list(dict.fromkeys([*own, *(name for base in bases for name in _methods(program, base))]))
 
 
 def _names(session: Session) -> set[str]:

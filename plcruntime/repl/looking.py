@@ -165,7 +165,7 @@ class Looking:
     def do_list(self, rest: str) -> None:
         stop = self.debugger.stop
         file, line, current = "", 0, 0
-        match = re.fullmatch(r"([^\W\d]\w*)?:?(\d+)?", rest)
+        match = re.fullmatch(r"([^\W\d][\w.]*)?:?(\d+)?", rest)
         if not match:
             raise UsageError(f"'{rest}' is no place; write list POU, list POU:LINE or list LINE")
         if stop is not None:

@@ -126,15 +126,11 @@ class Conversions(Printed):
                 return self._convert_constant(node, target)
             if isinstance(source, t.Interface) and source.extends(target):
                 return self._wrapped(node, target)
-            if isinstance(source, t.Block) and self._implements(source, target):
+            if isinstance(source, t.Block) and source.implements(target):
                 self._mark(node, node, True, True)
                 return self._wrapped(node, target)
         self._refuse(node, source, target, what)
         return node
-
-    def _implements(self, block: t.Block, interface: t.Interface) -> bool:
-        pous = self.project.block_pous[block].chain()
-        return any(x.type.extends(interface) for pou in pous for x in pou.interfaces)
 
     def _wrapped(self, node: s.Node, target: t.Type) -> s.Node:
         made = Convert(node.start, node.end, node)

@@ -228,6 +228,9 @@ class Expressions(Names):
 
     def _comparable(self, node: s.Binary, kinds: tuple[str, str]) -> bool:
         left, right = node.left, node.right
+        if set(kinds) == {"interface", "block"}:
+            interface = left.type if kinds[0] == "interface" else right.type
+            node.left, node.right = left, right = self.convert(left, interface), self.convert(right, interface)
         if "pointer" in kinds or "interface" in kinds:
             node.left, node.right = self._as_address(left), self._as_address(right)
             return t.ERROR not in (node.left.type, node.right.type)

@@ -156,7 +156,7 @@ class ModuleEmitter:
         """The module's text. tasks name programs of the project; hooks run after the tasks of every scan; kept are in
         the module even if nothing calls them."""
         scan = self._scan(tasks, hooks)
-        for pou in kept:
+        for pou in (p for p in kept if p.kind != "INTERFACE"):
             self.need(pou)
             for action in pou.actions.values():
                 self.need_action(pou, action)
@@ -192,11 +192,13 @@ class ModuleEmitter:
     def _keep_methods(self, kept: list[Pou]) -> None:
         """All methods of these POUs can be called by what is typed beside the program; tests have a function each."""
         for pou in kept:
+            if pou.kind == "FUNCTION_BLOCK":
+                self.dispatch.body(pou)
             for method in pou.methods.values():
-                if method.holder.kind != "PROGRAM":
-                    self.dispatch.method(method)
                 if not abstract(method):
                     self.need(method)
+                if abstract(method) or not self.dispatch.is_only(method):
+                    self.dispatch.method(method)
         for pou, address in self.project.test_instances.items():
             for method in methods_to_test(pou):
                 params, results = signature(method)

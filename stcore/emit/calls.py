@@ -57,7 +57,7 @@ class Calls(Expressions):
 
         def emit(args: list[str]) -> str:
             pou = call.pou
-            if call.bound or all(x is pou for x in self.module.dispatch.of_method(pou).values()) and not abstract(pou):
+            if call.bound or self.module.dispatch.is_only(pou):
                 self.here = site
                 text = self.inline_function(pou, args, (base, offset))
                 self.here = here
@@ -218,7 +218,7 @@ class Calls(Expressions):
 
     def _decides(self, call: BlockCall) -> bool:
         """Whether the instance may be of a block that extends the one known here, whose body is to run then."""
-        return call.decides and len(self.module.dispatch.of_body(call.pou)) > 1
+        return call.decides and not self.module.dispatch.is_only(call.pou)
 
     def _instance(self, call: BlockCall) -> tuple[str, int]:
         """Where the instance is, worked out once."""

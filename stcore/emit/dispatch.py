@@ -47,9 +47,7 @@ class Dispatch:
             name = method_key(method.tree)
             holder = method.holder
             if isinstance(holder.type, Interface):
-                blocks = [
-                    b for b in self.blocks if any(x.type.extends(holder.type) for p in b.chain() for x in p.interfaces)
-                ]
+                blocks = [b for b in self.blocks if b.type.implements(holder.type)]
             else:
                 blocks = [b for b in self.blocks if b.type.extends(holder.type)]
             self.chosen[method] = {b.type.number: b.method(name) for b in blocks if b.method(name) is not None}
@@ -59,21 +57,25 @@ class Dispatch:
         """The block whose body an instance runs that is known as one of this block."""
         return {b.type.number: b for b in self.blocks if b.type.extends(block.type)}
 
+    def is_only(self, code: Pou) -> bool:
+        """True if nothing stands for this method, or the body of this block, in any instance."""
+        if code.holder is None:
+            return len(self.of_body(code)) < 2
+        return not isinstance(code.holder.type, Interface) and all(m is code for m in self.of_method(code).values())
+
     def method(self, method: Pou) -> str:
         """The function that a call of this method has to call."""
-        chosen = self.of_method(method)
-        if not isinstance(method.holder.type, Interface) and all(m is method for m in chosen.values()):
+        if self.is_only(method):
             self.need(method)
             return method.symbol
-        return self._function(f"{method.symbol}.of", method.holder, chosen, *signature(method))
+        return self._function(f"{method.symbol}.of", method.holder, self.of_method(method), *signature(method))
 
     def body(self, block: Pou) -> str:
         """The function that a call of an instance has to call that is known by its address only."""
-        chosen = self.of_body(block)
-        if len(chosen) < 2:
+        if self.is_only(block):
             self.need(block)
             return block.symbol
-        return self._function(f"{block.symbol}.of", block, chosen, [], [])
+        return self._function(f"{block.symbol}.of", block, self.of_body(block), [], [])
 
     def _function(
         self, name: str, known: Pou, chosen: dict[int, Pou], params: list[str], results: list[str]

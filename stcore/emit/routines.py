@@ -36,10 +36,10 @@ def routines(emitter: ModuleEmitter) -> dict[str, Routine]:
         found.setdefault(pou.name.upper(), routine)
     for pou in emitter.project.reached:
         if pou.holder is not None:
-            found.setdefault(f"{pou.holder.name}.{method_key(pou.tree)}".upper(), _method(emitter, pou))
+            found.setdefault(f"{pou.holder.name}.{method_key(pou.tree)}".upper(), _routine(emitter, pou))
     for pou in emitter.project.test_instances:
         for method in methods_to_test(pou):
-            routine = found.setdefault(f"{pou.name}.{method.name}".upper(), _method(emitter, method))
+            routine = found.setdefault(f"{pou.name}.{method.name}".upper(), _routine(emitter, method))
             routine.name, routine.test = f"{pou.name}.{method.name}", test_export(pou, method)
     return found
 
@@ -49,16 +49,11 @@ def _routine(emitter: ModuleEmitter, pou: Pou) -> Routine:
         pou.full_name, pou.kind, pou.symbol[1:] if pou.symbol in emitter.needed else "", library=pou.library,
         file=pou.source.path, line=pou.source.position(pou.tree.name_start)[0], attributes=pou.attributes,
     )  # fmt: skip
+    chooser = f"{pou.symbol}.of"
+    routine.chooser = chooser[1:] if chooser in emitter.dispatch.functions else ""
     if pou.is_called:
         routine.parameters = [_parameter(emitter, p) for p in pou.parameters]
         routine.result = pou.result.type if pou.result is not None else None
-    return routine
-
-
-def _method(emitter: ModuleEmitter, pou: Pou) -> Routine:
-    routine = _routine(emitter, pou)
-    chooser = f"{pou.symbol}.of"
-    routine.chooser = chooser[1:] if chooser in emitter.dispatch.functions else ""
     return routine
 
 
