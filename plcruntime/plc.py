@@ -331,7 +331,7 @@ def _test_host(plc: PLC, program: Program) -> dict[str, Callable]:
         return {}
     from plcruntime.st_tests import functions
 
-    return functions(plc)
+    return functions(plc, program.externals)
 
 
 def _motion_host(program: Program):

@@ -9,9 +9,12 @@ Assertions are functions of the library (stcore/library/testing); one that fails
 from __future__ import annotations
 
 import re
+import struct
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,39 +26,99 @@ from stcore.cache import parse_cached
 from stcore.diagnostics import Reporter
 from stcore.faults import ASSERTIONS, Fault
 from stcore.paths import PathError
-from stcore.program import Program, Routine, TaskSpec
+from stcore.program import External, Program, Routine, TaskSpec
 from stcore.source import Source, read
-from stcore.types import Type, is_aggregate
+from stcore.types import Array, Block, Elementary, String, Struct, Type, base_of, is_aggregate
 
 if TYPE_CHECKING:
     from plcruntime.trace import Trace
 
 TIMEOUT = "10s"
 PATTERN = "test_*.st"
-KINDS = {1: "ASSERT", 2: "ASSERT_EQ", 3: "ASSERT_NEAR"}
+KINDS = {1: "ASSERT", 3: "ASSERT_NEAR"}
 LAST = 8  # scans that a report shows
 COLUMNS = 6  # variables that a report shows
+SHOWN = 3  # parts of an array or a structure that differ
 
 
 class AssertionFailed(Exception):
-    """What a failing assertion told the host."""
+    """What a failing assertion told the host. differing: (path, expected, actual) of the parts of an array or a
+    structure; expected and actual are then those of the first."""
 
-    def __init__(self, kind: str, expected: str, actual: str, text: str) -> None:
-        self.kind, self.expected, self.actual, self.text = kind, expected, actual, text
-        found = f": expected {expected}, actual {actual}" if kind != "ASSERT" else ""
-        super().__init__(f"{kind} failed{': ' + text if text else ''}{found}")
+    def __init__(
+        self, kind: str, expected: str, actual: str, text: str, differing: Sequence[tuple[str, str, str]] = ()
+    ) -> None:
+        self.kind, self.expected, self.actual, self.text, self.differing = kind, expected, actual, text, differing
+        found = [f"{path}: expected {e}, actual {a}" for path, e, a in differing[:SHOWN]]
+        if not found and kind != "ASSERT":
+            found = [f"expected {expected}, actual {actual}"]
+        if len(differing) > SHOWN:
+            found.append(f"{len(differing) - SHOWN} more differ")
+        super().__init__(": ".join(x for x in (f"{kind} failed", text, "; ".join(found)) if x))
 
 
-def functions(plc) -> dict[str, Callable]:
-    """The external functions of the assertions, by upper-case name, for one PLC."""
+def functions(plc, externals: Sequence[External]) -> dict[str, Callable]:
+    """The external functions of the assertions that a program uses, by upper-case name, for one PLC."""
+
+    def text_at(address: int) -> str:
+        return values.decode(plc._engine.machine.memory, String(255), address)
 
     def fail(kind: int, *addresses: int) -> int:
-        memory = plc._engine.machine.memory
-        texts = [bytes(memory[a : a + 256]).split(b"\0")[0].decode("utf-8", "replace") for a in addresses]
-        plc.assertion = AssertionFailed(KINDS.get(kind, "ASSERT"), *texts)
+        plc.assertion = AssertionFailed(KINDS.get(kind, "ASSERT"), *map(text_at, addresses))
         raise plc.assertion
 
-    return {"HOSTTESTFAIL": fail}
+    def equal(kind: Type, expected: int | float, actual: int | float, text: int) -> int:
+        if isinstance(kind, Array | Struct):
+            memory = plc._engine.machine.memory
+            parts = list(differing(memory, kind, expected, actual))
+            if not parts:
+                return 1
+            plc.assertion = AssertionFailed("ASSERT_EQ", *parts[0][1:], text_at(text), parts)
+        else:
+            pair = [_value(plc._engine.machine.memory, kind, given) for given in (expected, actual)]
+            if pair[0] == pair[1]:
+                return 1
+            plc.assertion = AssertionFailed("ASSERT_EQ", *_texts(kind, *pair), text_at(text))
+        raise plc.assertion
+
+    typed = [e for e in externals if e.name.upper().startswith("HOSTTESTEQUAL")]
+    return {"HOSTTESTFAIL": fail} | {e.name.upper(): partial(equal, e.parameters[0][1]) for e in typed}
+
+
+def differing(memory, kind: Type, expected: int, actual: int, path: str = "") -> Iterator[tuple[str, str, str]]:
+    """(path, expected, actual) of every part that differs of two values of a type, at two addresses."""
+    if memory[expected : expected + kind.size] == memory[actual : actual + kind.size]:
+        return
+    if isinstance(kind, Array):
+        places = product(*(range(low, high + 1) for low, high in kind.bounds))
+        for k, place in enumerate(places):
+            at = k * kind.element.size
+            index = f"{path}[{', '.join(map(str, place))}]"
+            yield from differing(memory, kind.element, expected + at, actual + at, index)
+    elif isinstance(kind, Struct | Block):
+        for f in kind.members.values():
+            if f.section not in ("VAR_STAT", "VAR_TEMP", "VAR_IN_OUT"):  # they do not lie in the instance
+                name = f"{path}.{f.name}" if path else f.name
+                yield from differing(memory, f.type, expected + f.offset, actual + f.offset, name)
+    else:
+        pair = [values.decode(memory, kind, address) for address in (expected, actual)]
+        if pair[0] != pair[1]:
+            yield path, *_texts(kind, *pair)
+
+
+def _texts(kind: Type, expected: object, actual: object) -> tuple[str, str]:
+    """Two values that differ, so that one sees it."""
+    shown = values.show(kind, expected), values.show(kind, actual)
+    return shown if shown[0] != shown[1] else (repr(expected), repr(actual))
+
+
+def _value(memory, kind: Type, given: int | float) -> object:
+    """A value as the module hands it to the host: a number, or the address of a text."""
+    if isinstance(kind, String):
+        return values.decode(memory, kind, given)
+    base = base_of(kind)
+    code = {"i32": "i", "i64": "q", "f32": "f", "f64": "d"}[base.wasm if isinstance(base, Elementary) else "i32"]
+    return values.decode(struct.pack(f"<{code}", given), kind, 0)
 
 
 @dataclass(slots=True)
@@ -260,7 +323,12 @@ def report(result: Result) -> str:
         source = read(result.file).text.splitlines()
         for number in range(max(1, result.line - 2), min(len(source), result.line + 1) + 1):
             lines.append(f"{'>' if number == result.line else ' '}{number:5} | {source[number - 1]}")
-    if result.assertion is not None and result.assertion.kind != "ASSERT":
+    if result.assertion is not None and result.assertion.differing:
+        parts = result.assertion.differing
+        width = max(len(path) for path, *_ in parts[:SHOWN])
+        lines += [f"  {path.ljust(width)}  expected {e}, actual {a}" for path, e, a in parts[:SHOWN]]
+        lines += [f"  {len(parts) - SHOWN} more differ"] if len(parts) > SHOWN else []
+    elif result.assertion is not None and result.assertion.kind != "ASSERT":
         lines += [f"  expected  {result.assertion.expected}", f"  actual    {result.assertion.actual}"]
     if result.test.kind == "PROGRAM":
         lines.append(f"  in scan {result.scans}, at {result.time:.9g} s")

@@ -61,6 +61,7 @@ CODES: dict[str, Code] = {
     "W0112": Code("the sign {found} read as {plain}", "write {plain}"),
     "W0113": Code("[{text}] read as [0..{high}]", "write [0..{high}]"),
     "W0114": Code("a comma is missing between two arguments", "write ,"),
+    "W0115": Code("{what} ignored: no part of the program"),
     # --- W013x: names in printed listings (the checker's part of mending)
     "W0130": Code("{name} read as {meant}", "write {meant}"),
     "W0131": Code("{name} is not declared; read as {meant}, which is not used otherwise", "write one of the two"),

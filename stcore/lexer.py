@@ -16,6 +16,7 @@ import re
 from stcore.diagnostics import Reporter
 from stcore.pragmas import Conditions, Pragmas
 from stcore.source import Source
+from stcore.typeset import SIGNS, plain_sign, plain_word, without_frame
 
 # The terminals of grammar.lark, and behind SOFT those that only the lexer and the mends see.
 TERMINALS = (
@@ -70,9 +71,6 @@ _SIGNS = {
 }  # fmt: skip
 _KNOWN = {sign: KIND[terminal] for sign, terminal in _SIGNS.items()}
 
-# The same signs in the width of a Chinese character, as a typesetter leaves them.
-_FULL_WIDTH = dict(zip("；，：（）＝．＋－＊／＜＞［］", ";,:()=.+-*/<>[]", strict=True))
-
 _TIMES = "LTIME|TIME|LT|T"
 _DATES = "LDATE|DATE|LD|D"
 _CLOCKS = "LTIME_OF_DAY|TIME_OF_DAY|LTOD|TOD"
@@ -87,7 +85,7 @@ _SIMPLE = rf"""
       | (?:{_CLOCKS})\#\w+(?::\w+){{0,2}}(?:\.\w+)?
       | (?:{_STAMPS})\#\w+(?:-\w+){{0,3}}(?::\w+){{0,2}}(?:\.\w+)?
       | (?:{_NUMERIC})\#[+-]?\w+(?:\#\w+|\.\d\w*(?:(?<=e)[+-]\d+)?|(?<=\#\de)[+-]\d+)?)
-  | \d\w*+(?:\#\w+|\.\d\w*+(?:(?<=[eE])[+-]\d+)?|(?<=[eE])[+-]\d+)?
+  | \d\w*+(?:\#\w+|[.．]\d\w*+(?:(?<=[eE])[-+–−]\d+)?|(?<=[eE])[-+–−]\d+)?
   | (?!(?i:W?STRING|W?CHAR)\#['"])[^\W\d]\w*+
   | %[A-Za-z]*\*?\d*(?:\.\d+)*
   | -{{3,}}(?=[ \t]*$) | ={{3,}}(?=[ \t]*$) | (?<![\w\])])\.(?:[ \t]*\.){{2,}} | …+
@@ -96,22 +94,28 @@ _SIMPLE = rf"""
 _TEXTS = rf"""
     '(?:[^'$\n]|\$[^\n])*'
   | "(?:[^"$\n]|\$[^\n])*"
-  | [{_Q}][^\n'{_Q};)]*[{_Q}']
+  | [{_Q}][^\n'{_Q};)；）]*[{_Q}']
   | [{_Q}][^\n'{_Q}]*[{_Q}'](?=[ \t]*(?:[),;=<>+]|$))
   | '[^\n'{_Q}]*[{_Q}]
-  | [{_Q}][^\n'{_Q}),;]*
+  | [{_Q}][^\n'{_Q}),;）；，]*
   | ['"][^\n'"),;]*?(?=[ \t]+(?i:THEN|DO|OF)\b|[\n'"),;]|\Z)
 """
+# A comment and a sign of two characters of which one is wide, or with a blank between.
+_PRINTED = r"""
+    [(（][ \t]*\*(?s:.*?)\*[ \t]*[)）] | ／／[^\n]*
+  | [:：∶][ \t]*[=＝] | [=＝][>＞] | [<＜][=＝>＞] | [>＞][=＝] | [.．][.．] | [*＊][*＊]
+"""
+_COMMENT = r"\(\*(?![^\n*(]*\*）[ \t]*$)"  # the beginning of one that does not end with a wide bracket
 # groups: 1 word, number or sign, 2 comment, 3 pragma, 4 string, 5 comment or pragma without end, 6 anything else;
 # STRING#'x' says nothing that 'x' does not
 _MASTER = re.compile(
     rf"""(?xm) [\s\ufeff\u200b]*+ (?:
-    (?!/[/*]) ({_SIMPLE})
-  | (//[^\n]* | \(\*(?s:.*?)\*\) | /\*(?s:.*?)\*/)
+    (?!/[/*] | :[ \t]*＝ | :[ \t]+= | [=<>][＝＞] | \.． | \*＊ | \([ \t]+\*) ({_SIMPLE})
+  | (//[^\n]* | {_COMMENT}(?s:.*?)\*\) | /\*(?s:.*?)\*/)
   | (\{{[^}}]*\}})
   | (?:(?i:W?STRING|W?CHAR)\#)? ({_TEXTS})
-  | ((?:\(\*|/\*|\{{)(?s:.*))
-  | (：[=＝]|\S)
+  | ((?:{_COMMENT}|/\*|\{{)(?s:.*))
+  | ({_PRINTED}|\S)
   | \Z )"""
 )
 _NESTED = re.compile(r"\{\s*nested_comments\s*\}", re.I)
@@ -171,9 +175,12 @@ def tokenize(source: Source, reporter: Reporter) -> Tokens:
     """All tokens of a source. Reports what is no token, and the typographic signs that it reads as plain ones."""
     tokens = Tokens(source)
     kinds, starts, ends, texts = tokens.kinds, tokens.starts, tokens.ends, tokens.texts
-    text = source.text if not _NESTED.search(source.text) else flatten_comments(source.text)
-    known = dict(_KNOWN)  # spelling -> kind, each classified once
     problems: list[tuple] = []
+    text = without_frame(source.text, problems)
+    if _NESTED.search(text):
+        text = flatten_comments(text)
+    known = dict(_KNOWN)  # spelling -> kind, each classified once
+    wide: dict[str, str] = {}  # spelling in wide letters -> the plain one
     pragmas = Pragmas(problems)
     conditions = Conditions(tokens, problems)
     for match in _MASTER.finditer(text):
@@ -181,7 +188,10 @@ def tokenize(source: Source, reporter: Reporter) -> Tokens:
         if word is not None:
             kind = known.get(word)
             if kind is None:
-                kind = known[word] = _classify(word, tokens)
+                plain = word if word.isascii() else plain_word(word)
+                kind = known[word] = _classify(plain, tokens)
+                if plain != word:
+                    wide[word] = plain
             kinds.append(kind)
             starts.append(match.start(1))
             ends.append(match.end())
@@ -191,6 +201,10 @@ def tokenize(source: Source, reporter: Reporter) -> Tokens:
                 pragmas.take(match[3], match.start(3), len(kinds))
         elif match.lastindex is not None and match.lastindex != 2:
             _unusual(match, tokens, problems)
+    for i, word in enumerate(texts if wide else ()):
+        if word in wide:
+            problems.append(("W0109", starts[i], ends[i], {"text": word, "plain": wide[word]}))
+            texts[i] = wide[word]
     conditions.finish()
     starts.append(len(text))
     kinds.append(0)
@@ -236,8 +250,10 @@ def _unusual(match: re.Match, tokens: Tokens, problems: list[tuple]) -> None:
         # the rest of the file is inside it; say so once, at its start
         problems.append(("E0108" if text[0] == "{" else "E0107", start, start + 2 - (text[0] == "{"), {}))
         return
-    elif text[0] in _FULL_WIDTH:
-        plain = ":=" if len(text) == 2 else _FULL_WIDTH[text]
+    elif text[:2] == "／／" or text[-1] in ")）" and len(text) > 1:
+        problems.append(("W0112", start, start + 2, {"found": text[:2], "plain": "//" if text[0] == "／" else "(*"}))
+        return
+    elif (plain := plain_sign(text)) in _KNOWN and (text[0] in SIGNS or len(text) > 1):
         problems.append(("W0112", start, end, {"found": text, "plain": plain}))
         kind, text = _KNOWN[plain], plain
     else:
@@ -376,8 +392,21 @@ def _drop_rule(tokens: Tokens, i: int, reporter: Reporter) -> None:
     """A line of dashes or underscores, a row of dots: what a printed listing has between or instead of code."""
     code = "W0105" if tokens.kinds[i] == RULE else "W0106"
     alone = tokens.starts_line(i) and (tokens.kinds[i + 1] == 0 or tokens.starts_line(i + 1))
+    if code == "W0106" and not alone and _between_bounds(tokens, i):
+        reporter.add("W0112", tokens.source, tokens.starts[i], tokens.ends[i], found=tokens.texts[i], plain="..")
+        tokens.kinds[i], tokens.texts[i] = KIND["DOTDOT"], ".."
+        return
     if code == "W0105" and not alone and tokens.texts[i][0] == "_":
         tokens.kinds[i] = NAME
         return
     reporter.add(code, tokens.source, tokens.starts[i], tokens.ends[i], text=tokens.texts[i])
     tokens.delete(i, i + 1)
+
+
+def _between_bounds(tokens: Tokens, i: int) -> bool:
+    """`[0…9]`, `1…3:`: the dots of a range."""
+    bounds = (NUMBER, NAME)
+    before, after = tokens.kinds[i - 1] if i else 0, tokens.kinds[i + 1]
+    signed = after == KIND["SIGN"] and tokens.kinds[i + 2] in bounds
+    near = not tokens.starts_line(i) and (tokens.kinds[i + 1] == 0 or not tokens.starts_line(i + 1))
+    return near and before in bounds and (after in bounds or signed)

@@ -26,6 +26,7 @@ _STATEMENT_STARTERS = frozenset(
 )
 _TYPE_STARTERS = frozenset(KIND[n] for n in ("NAME", "STRING", "ARRAY", "POINTER", "REFERENCE", "STRUCT", "LPAR"))
 _PREFIXES = ("GT", "MC", "SMC")  # their underscore is often lost in print
+_PAGE = re.compile(r"\s*(?:\d{1,4}|[-–—][ \t]*\d{1,4}[ \t]*[-–—]|\d{1,4}[ \t]*/[ \t]*\d{1,4})\s*")
 _TRUSTED = 5  # tokens that must read on after a mend
 
 
@@ -108,7 +109,7 @@ def blank_in_name(r: Repairs, at: int) -> int | None:
             continue
         between = tokens.source.text[tokens.ends[left] : tokens.starts[left + 1]]
         plain = _joined(tokens.texts[left], tokens.texts[left + 1], tokens.texts)
-        if not plain or not between or between.strip(" \t"):
+        if not plain or not between or between.strip(" \t\xa0\u200b\u3000\u2009"):
             continue
         kind = WORDS.get(plain.upper(), NAME)
         depth = r.depth_of(left) if left < at else len(r.machine.values)
@@ -190,4 +191,27 @@ def _declarations_end(tokens: Tokens, at: int) -> int:
         at = token
 
 
-RULES = (bare_program, lost_comma, blank_in_name, equals_sign, colon_for_assign, lost_semicolon)
+def page_number(r: Repairs, at: int) -> int | None:
+    """`128` or `- 34 -` alone on a line, from the foot of a page."""
+    tokens = r.tokens
+    near = [at, at - 1, at - 2]  # it may have been read as a number in what follows
+    number = next((n for n in (tokens.line(i) for i in near if i >= 0) if _PAGE.fullmatch(tokens.source.line(n))), 0)
+    if not number:
+        return None
+    first = at
+    while first and tokens.line(first - 1) >= number:
+        first -= 1
+    last = first
+    while tokens.kinds[last] and tokens.line(last) == number:
+        last += 1
+    depth = len(r.machine.values) if first == at else r.depth_of(first)
+    if depth is None or r.reads(depth, (), last, at + 2) < min(at + 2, len(tokens.kinds)):
+        return None
+    text = tokens.source.line(number).strip()
+    r.report("W0105", first, last, text=text)
+    r.cut(depth)
+    tokens.delete(first, last)
+    return first
+
+
+RULES = (page_number, bare_program, lost_comma, blank_in_name, equals_sign, colon_for_assign, lost_semicolon)

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from stcore.lexer import Tokens
 
 _ATTRIBUTE = re.compile(r"\{\s*attribute\s+'([^']*)'\s*(?::=\s*'([^']*)')?\s*\}", re.I | re.S)
+_QUOTES = dict.fromkeys(map(ord, "‘’“”′‵`´\""), "'")
 _OTHER = re.compile(r"\{\s*(\w+)\s*(.*?)\s*\}", re.S)
 _CONDITION = re.compile(r"\{\s*(IF|ELSIF|ELSE|END_IF|DEFINE|UNDEFINE)\b\s*(.*?)\s*\}", re.I | re.S)
 _TERM = re.compile(r"\s*(?:(defined|hasvalue)\s*\(([^()]*)\)|(AND|OR|XOR|NOT)\b|([()])|(\S+))", re.I)
@@ -24,7 +25,10 @@ class Pragmas:
 
     def take(self, text: str, start: int, next_token: int) -> None:
         """Note a pragma. Unknown ones ({info ..}, {warning ..}) are somebody else's and no error."""
-        if match := _ATTRIBUTE.fullmatch(text):
+        plain = text.translate(_QUOTES)
+        if match := _ATTRIBUTE.fullmatch(plain):
+            if plain != text:
+                self.problems.append(("W0101", start, start + len(text), {"text": text}))
             self.found.append((next_token, match[1].lower(), match[2] or ""))
         elif match := _OTHER.fullmatch(text):
             if match[1].lower() == "attribute":

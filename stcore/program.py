@@ -36,7 +36,7 @@ STOP = 100  # DINT, probed builds: 0 run on, 1 stop at flagged sites, 2 at every
 DEPTH = 104  # DINT, probed builds: calls of POUs that are under way
 STOP_DEPTH = 108  # DINT, probed builds: the depth up to which STOP = 2 stops
 ALONE = 112  # DINT, the number (from 1) of the test that runs; 0 none
-ASKING = 116  # DINT, probed builds: 1 while the condition of a breakpoint is asked, so that a fault is known to be its own
+ASKING = 116  # DINT, probed builds: 1 while the condition of a breakpoint is asked: a fault is then its own
 TASK_RATIOS = 128  # DINT for each task: it runs when SCAN MOD ratio = 0
 NULL_PAGE = 1024
 HOOK_SLOTS = range(48, 64)  # of the table of hooks: conditions of breakpoints; those below are conditions of a run

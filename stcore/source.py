@@ -5,6 +5,8 @@ from __future__ import annotations
 from bisect import bisect_right
 from pathlib import Path
 
+from stcore.typeset import joined
+
 
 class Source:
     """A text with its path; offsets are characters of `text` (line ends normalised to \\n). folder: where POUs that it
@@ -14,7 +16,7 @@ class Source:
 
     def __init__(self, text: str, path: str = "<text>", folder: Path | None = None) -> None:
         self._folder = folder
-        self.text = text.replace("\r\n", "\n").replace("\r", "\n")
+        self.text = joined(text.replace("\r\n", "\n").replace("\r", "\n"))
         self.path = path
         self._starts: list[int] | None = None
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import pickle
 from dataclasses import dataclass, field
+from functools import reduce
 
 from stcore import syntax as s
 from stcore import types as t
 from stcore.check import builtins
-from stcore.check.conversions import common, kind_of, same
+from stcore.check.conversions import always_fits, common, kind_of, same
 from stcore.check.expressions import Expressions
 from stcore.check.room import room_argument
 from stcore.near import near
@@ -209,6 +210,7 @@ class Calls(Expressions):
             if arg.value is not None and arg.value.type is t.ERROR:
                 return None
         bindings: dict[str, t.Type] = {}
+        given: dict[str, list[s.Node]] = {}
         names = {key(n): any_type for n, any_type in pou.tree.generics}
         declared = [d for x in pou.tree.sections if x.kind in ("VAR_INPUT", "VAR_IN_OUT") for d in x.decls]
         for i, arg in enumerate(node.args):
@@ -218,16 +220,23 @@ class Calls(Expressions):
                 continue
             name = key(decl.type.name)
             if name in names:
-                bindings[name] = _bind(bindings.get(name), self.settle(arg.value).type)
+                bindings[name] = _bind(bindings.get(name), arg.value.type)
+                given.setdefault(name, []).append(arg.value)
+        parts = pou.attributes.get("parts")  # another function, where values of several parts or addresses are given
+        if parts and any(isinstance(k, t.Array | t.Struct | t.Pointer) for k in bindings.values()):
+            return self._instantiate(node, self.project.lookup(parts), True)
         for name, any_type in names.items():
             kind = bindings.get(name)
+            literals = [v for v in given.get(name, ()) if v.type in _LITERALS]
+            base = t.base_of(kind) if kind else None
+            if literals and not (isinstance(base, t.Elementary) and all(always_fits(v, base) for v in literals)):
+                kind = bindings[name] = reduce(_bind, (self.settle(v).type for v in given[name]))
             if key(any_type) == "ANY_POINTER" and _is_address(kind):
                 kind = bindings[name] = t.Pointer(t.BYTE)
             elif key(any_type) == "ANY_POINTER" and isinstance(kind, t.Pointer) and isinstance(kind.target, t.Array):
                 kind = bindings[name] = t.Pointer(kind.target.element)
             if kind is None or not _is_any(kind, key(any_type)):
-                parts = isinstance(kind, t.Array | t.Struct)
-                hint = f"name its {'elements' if isinstance(kind, t.Array) else 'members'} one by one" if parts else ""
+                hint = "name one of its outputs" if parts and isinstance(kind, t.Block) else ""
                 if key(any_type) == "ANY_POINTER":
                     any_type, hint = "a pointer", "give its address: ADR(...)"
                 self.error("E0407", node, name=pou.name, wanted=any_type, given=kind or "nothing", hint=hint)
@@ -396,6 +405,8 @@ def _bind(known: t.Type | None, kind: t.Type) -> t.Type:
     """The type that a generic name stands for, after one more argument."""
     if known is None:
         return kind
+    if isinstance(known, t.Enum) and known is kind:
+        return known
     if isinstance(known, t.String) and isinstance(kind, t.String):
         return t.String(max(known.length, kind.length), known.wide or kind.wide)
     return common(known, kind) or known
@@ -406,6 +417,7 @@ def _is_address(kind: t.Type | None) -> bool:
     return kind is t.NULL or isinstance(kind, t.Elementary) and kind.kind in ("int", "bits") and kind.size >= 4
 
 
+_LITERALS = (t.INT_LITERAL, t.REAL_LITERAL)
 _ANY = {
     "ANY": None,
     "ANY_POINTER": ("pointer",),

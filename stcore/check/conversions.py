@@ -187,7 +187,7 @@ class Conversions(Printed):
             if node.const is not None and goal.kind in INTEGER and float(node.const).is_integer():
                 return self._wrapped(node, target)
         if not holds(goal, base) and not (base.kind == "bits" and goal.kind in INTEGER and goal.size >= base.size):
-            if not _always_fits(node, goal):
+            if not always_fits(node, goal):
                 code = "W0302" if base.kind == "real" and goal.kind != "real" else "W0301"
                 self.warn(code, node, source=node.type, target=target)
         return self._wrapped(node, target)
@@ -246,7 +246,7 @@ def _called(kind: t.Type) -> str:
     return {"ANY_INT": "an integer", "ANY_REAL": "a real number"}.get(kind.name, kind.name)
 
 
-def _always_fits(node: s.Node, goal: t.Elementary) -> bool:
+def always_fits(node: s.Node, goal: t.Elementary) -> bool:
     """True for a constant that fits, and for a choice among such constants: SEL(b, 1, 2)."""
     if node.const is not None:
         return _fits(node.const, goal)
@@ -254,7 +254,7 @@ def _always_fits(node: s.Node, goal: t.Elementary) -> bool:
     if getattr(choice, "name", "") not in ("SEL", "MUX", "MIN", "MAX", "LIMIT") or not hasattr(choice, "args"):
         return False
     values = choice.args[1:] if choice.name in ("SEL", "MUX") else choice.args
-    return all(_always_fits(v, goal) for v in values)
+    return all(always_fits(v, goal) for v in values)
 
 
 def _fits(value: object, goal: t.Elementary) -> bool:

@@ -98,7 +98,7 @@ class ModuleEmitter:
 
     def _import(self, pou: Pou) -> None:
         inputs = [(p.name, p.type) for p in pou.inputs()]
-        self.externals.append(External(pou.name, inputs, pou.result.type if pou.result else None))
+        self.externals.append(External(_host_name(pou), inputs, pou.result.type if pou.result else None))
 
     def site(self, source: Source, node: s.Node, pou: str, code: str, note: str, within: int = -1) -> int:
         line, column = source.position(node.start)
@@ -216,7 +216,7 @@ class ModuleEmitter:
         for e in self.externals:
             params = " ".join(f"(param {wasm_type(k)})" for _, k in e.parameters)
             result = f"(result {wasm_type(e.result)})" if e.result else ""
-            symbol = next(p.symbol for p, _ in self.needed.values() if p.name == e.name)
+            symbol = next(p.symbol for p, _ in self.needed.values() if _host_name(p) == e.name)
             lines.append(f'(import "host" "{e.name}" (func {symbol} {params} {result}))')
         return lines
 
@@ -343,3 +343,8 @@ class ModuleEmitter:
 
 
 _NOWHERE = Pou("FUNCTION", "initial value", s.Exit(0, 0), Source(""))
+
+
+def _host_name(pou: Pou) -> str:
+    """The name of an external function; of a generic one each instance has its own."""
+    return f"{pou.name} {', '.join(str(p.type) for p in pou.inputs())}" if pou.tree.generics else pou.name

@@ -10,6 +10,7 @@ import pytest
 
 from plcruntime.cli import main
 from plcruntime.st_tests import TestFile, find, report
+from stcore.diagnostics import CompileError
 
 TEXT = """\
 TYPE Colour : (Red, Green, Blue); END_TYPE
@@ -114,7 +115,7 @@ def test_an_assertion_names_its_own_line_and_values(results):
     assert (result.line, result.assertion.expected, result.assertion.actual) == (line_of("ASSERT_EQ(5"), "5", "4")
     assert result.message == "ASSERT_EQ failed: two: expected 5, actual 4"
     assert results["test_near"].assertion.actual == "1.5"
-    assert results["test_text"].assertion.actual == "one"
+    assert results["test_text"].assertion.actual == "'one'"
     text = report(result)
     assert f">{result.line:6}".replace(" ", "") in text.replace(" ", "") and "expected  5" in text
 
@@ -245,16 +246,62 @@ def test_the_tests_of_the_page_pass(tmp_path):
     assert [file.run(t).message for t in file.tests] == ["", "", "", ""]
 
 
-def test_arrays_and_structures_are_compared_by_their_parts(folder, capsys):
-    (folder / "test_parts.st").write_text(
-        "TYPE P : STRUCT x : INT; END_STRUCT END_TYPE\n{attribute 'test'}\nFUNCTION test_parts : BOOL\n"
-        "VAR a : ARRAY[1..2] OF INT; p : P; END_VAR\nASSERT_EQ(a, a);\nASSERT_EQ(p, p);\nASSERT_EQ(p.x, a[1]);\n"
-        "END_FUNCTION\n"
-    )
-    assert main(["test", "test_parts.st"]) == 1
-    out = capsys.readouterr().out
-    assert "test_parts.st:5:1: error E0407: ASSERT_EQ takes ANY_ELEMENTARY, not ARRAY[1..2] OF INT" in out
-    assert "name its elements one by one" in out and "name its members one by one" in out and ":7:" not in out
+PARTS = """\
+TYPE Colour : (Red, Green, Blue); END_TYPE
+TYPE Part : STRUCT x : INT; name : STRING(10); t : TIME; c : Colour; END_STRUCT END_TYPE
+{attribute 'test'}
+FUNCTION test_parts : BOOL
+VAR a, b : ARRAY[0..1, 1..2] OF Part; i : ARRAY[1..3] OF INT := [1, 2, 3]; d : DATE := D#2024-02-29;
+  s : STRING := 'it$'s$N'; c : Colour := Blue; u : UDINT := 4294967295; r : REAL := 0.3; l : ULINT; n : LREAL;
+  p : POINTER TO UDINT; END_VAR
+%s
+END_FUNCTION
+"""
+DIFFERENT = "a[1,2].x := 4; a[0,1].name := 'ab'; a[1,1].t := T#1500ms; a[0,2].c := Blue;"
+
+
+@pytest.mark.parametrize(
+    "statements, said",
+    [
+        ("ASSERT_EQ(a, b); ASSERT_EQ(i, i); ASSERT_EQ(a[0,1], b[1,1]);", ""),
+        ("ASSERT_EQ(0.3, r); ASSERT_EQ(16#FFFFFFFF, u); ASSERT_EQ(Blue, c); ASSERT_NEAR(r, 0.3, 1E-6);", ""),
+        ("l := 18446744073709551615; ASSERT_EQ(18446744073709551615, l);", ""),
+        ("i[2] := 5; ASSERT_EQ([1, 2, 3], i);", None),
+        ("a[0,1].x := 4; ASSERT_EQ(a[0,1], b[0,1], 'one');", "one: x: expected 4, actual 0"),
+        (
+            DIFFERENT + "ASSERT_EQ(a, b);",
+            "[0, 1].name: expected 'ab', actual ''; [0, 2].c: expected Blue, actual Red;"
+            " [1, 1].t: expected T#1.5s, actual T#0s; 1 more differ",
+        ),
+        ("ASSERT_EQ(Green, c);", "expected Green, actual Blue"),
+        ("ASSERT_EQ('it$'s', s, 'text');", "text: expected 'it$'s', actual 'it$'s$N'"),
+        ("ASSERT_EQ(D#2024-03-01, d);", "expected D#2024-03-01, actual D#2024-02-29"),
+        ("ASSERT_EQ(3, u);", "expected 3, actual 4294967295"),
+        ("ASSERT_EQ(0.3, n, 'n');", "n: expected 0.3, actual 0.0"),
+        ("p := ADR(u); ASSERT_EQ(ADR(u), p); p := 0; ASSERT_EQ(p, 0); ASSERT_EQ(i[1], 1);", ""),
+        ("ASSERT_EQ(i, 3);", None),
+        ("ASSERT_EQ(i, a);", None),
+    ],
+)
+def test_assert_eq_compares_every_kind_of_value(tmp_path, statements, said):
+    file = tmp_path / "test_parts.st"
+    file.write_text(PARTS % statements)
+    if said is None:
+        with pytest.raises(CompileError):
+            TestFile(file)
+        return
+    tests = TestFile(file)
+    result = tests.run(tests.tests[0])
+    assert result.message == (said and "ASSERT_EQ failed: " + said)
+
+
+def test_parts_that_differ_are_listed_in_the_report(tmp_path):
+    file = tmp_path / "test_parts.st"
+    file.write_text(PARTS % (DIFFERENT + "\nASSERT_EQ(a, b);"))
+    tests = TestFile(file)
+    text = report(tests.run(tests.tests[0])).splitlines()
+    assert text[0].startswith(f"{file}:9: test_parts: ASSERT_EQ failed: [0, 1].name")
+    assert "  [0, 2].c     expected Blue, actual Red" in text and "  1 more differ" in text
 
 
 STIMULATED = """\

@@ -57,6 +57,34 @@ def program(body: str) -> str:
         (program("x := 1；"), "W0112", 3),
         ("TYPE t : ARRAY[07] OF INT; END_TYPE", "W0113", 1),
         (program("f(Axis:= a\nData:= b);"), "W0114", 3),
+        (program("x := a – 1;"), "W0112", 3),
+        (program("IF a ≤ b THEN ; END_IF"), "W0112", 3),
+        (program("x : = 5;"), "W0112", 3),
+        (program("x :＝ 5;"), "W0112", 3),
+        (program("f(a ＝＞ x);"), "W0112", 3),
+        (program("x := 1; （* a note *）"), "W0112", 3),
+        (program("x := 1; (* a note *）\nx := 2; (* b *)"), "W0112", 3),
+        (program("x := 1; ( * a note * )"), "W0112", 3),
+        (program("x := 1; ／／ a note"), "W0112", 3),
+        (program("CASE x OF 1…3: y := 1; END_CASE"), "W0112", 3),
+        (program("x := １０．５;"), "W0109", 3),
+        (program("ＩＦ x THEN ; END_IF"), "W0109", 3),
+        (program("FOLLOW_SEGMENT_\u00a0CONTINUE := 1;"), "W0109", 3),
+        (program("x := 1;\n- 34 -\ny := 2;"), "W0105", 4),
+        (program("x := 1;\n128\ny := 2;"), "W0105", 4),
+        (program("CASE x OF 1: y := 1;\n128\ny := 2; END_CASE"), "W0105", 4),
+        (program("f(Axis:= 1,\n- 34 -\nData:= b);"), "W0105", 4),
+        (program("x := 1;\nPage 12 of 300\ny := 2;"), "W0105", 4),
+        (program("x := 1;\nExample 7-1 (continued)\ny := 2;"), "W0105", 4),
+        (program("x := 1;\n© 2015 A. Company\ny := 2;"), "W0105", 4),
+        (program("x := 1;\n第 12 页\ny := 2;"), "W0105", 4),
+        (program("x := 1;\n──────\ny := 2;"), "W0105", 4),
+        ("```iecst\nPROGRAM p\nEND_PROGRAM", "W0105", 1),
+        (program("• x := 1;"), "W0115", 3),
+        ("1 PROGRAM p\n2 VAR x : INT; END_VAR\n3 x := 1;\n4 END_PROGRAM", "W0115", 1),
+        ("001: PROGRAM p\n003: x := 1;\n004: END_PROGRAM\n", "W0115", 1),
+        ("> PROGRAM p\n> x := 1;\n>\n> END_PROGRAM\n", "W0115", 1),
+        ("{attribute ‘test’}\nPROGRAM p\nEND_PROGRAM", "W0101", 1),
     ],
 )
 def test_a_mend_is_one_warning(text, code, line):
@@ -64,6 +92,24 @@ def test_a_mend_is_one_warning(text, code, line):
     assert [(d.severity, d.code, d.line) for d in reporter.diagnostics] == [("warning", code, line)]
     _, strict = diagnose(text, strict=True)
     assert [(d.severity, d.code) for d in strict.diagnostics] == [("error", code)]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        program("CASE x OF\n1: y := 1;\n2: y := 2;\nEND_CASE"),
+        "VAR_GLOBAL\na : ARRAY[0..1] OF INT := [\n1,\n128\n];\nEND_VAR",
+        program("x := a\n- 34\n- b;"),
+        program("CASE x OF\n128\n: y := 1;\nEND_CASE"),
+        program("(* © 2015\nPage 12 of 300\n1 note\n*) // 第 12 页\nx := '©'; Page := 1; Example(3);"),
+        program("x := 'a ： b – c'; // ≤ （* ／／"),
+        program("x := 1; (* speed（*mm*）and more *) y := 2;"),
+        program("x :=\u00a01;\u3000y := GT_Set\u00adVel;"),
+    ],
+)
+def test_what_is_no_trace_of_print_stays(text):
+    _, reporter = diagnose(text)
+    assert not reporter.diagnostics
 
 
 def test_without_mending_it_is_an_error():

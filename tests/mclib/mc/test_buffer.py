@@ -83,7 +83,8 @@ def test_a_velocity_gives_way_when_it_is_reached(bench):
 
 
 REACHED = {
-    "velocity": ("InVelocity", {"Velocity": 300.0}), "onward": ("InEndVelocity", {"Position": 50.0, "EndVelocity": 90.0}),
+    "velocity": ("InVelocity", {"Velocity": 300.0}),
+    "onward": ("InEndVelocity", {"Position": 50.0, "EndVelocity": 90.0}),
     "further": ("InEndVelocity", {"Distance": 50.0, "EndVelocity": -90.0}),
     "smcOnward": ("InEndVelocity", {"Distance": 50.0, "EndVelocity": 90.0}),
     "smcFurther": ("InEndVelocity", {"Distance": 50.0, "EndVelocity": 90.0}),
