@@ -308,6 +308,8 @@ _PATH_GOES_ON = frozenset(KIND[n] for n in ("ASSIGN", "DOT", "CARET", "LBRACKET"
 _MODIFIERS = ("ABSTRACT", "FINAL", "PUBLIC", "PRIVATE", "PROTECTED", "INTERNAL", "OVERRIDE")
 _OBJECTS = ("METHOD", "INTERFACE", "PROPERTY")
 _HEADS = ("PROGRAM", "FUNCTION", "FUNCTION_BLOCK", *_OBJECTS)  # what a modifier may stand behind
+_ACCESSOR_ENDS = (KIND["END_GET"], KIND["END_SET"])
+_OUTER_ENDS = (*_ACCESSOR_ENDS, *(KIND[f"END_{n}"] for n in ("PROPERTY", "METHOD", "FUNCTION_BLOCK", "PROGRAM")))
 _BETWEEN = END_KINDS | {KIND["SEMI"], 0}  # a METHOD may begin behind these on the same line
 
 
@@ -332,6 +334,8 @@ def resolve(tokens: Tokens, reporter: Reporter) -> None:
                 kinds[i] = KIND[word] if _is_keyword(tokens, i, word) else NAME
     for i in [i for i, kind in enumerate(kinds) if kind == KIND["PROPERTY"]]:
         _accessors(tokens, i)
+    for i in [i for i, kind in enumerate(kinds) if kind in _ACCESSOR_ENDS]:
+        _ended_accessor(tokens, i)
 
 
 def _is_modifier(before: str, after: int) -> bool:
@@ -344,11 +348,27 @@ def _accessors(tokens: Tokens, at: int) -> None:
     inside = True  # of the name of the property
     while kinds[at] not in (KIND["END_PROPERTY"], KIND["END_FUNCTION_BLOCK"], KIND["END_PROGRAM"], 0):
         at += 1
-        if kinds[at] in (KIND["END_GET"], KIND["END_SET"]) or kinds[at] == KIND["COLON"] and inside:
+        if kinds[at] in _ACCESSOR_ENDS or kinds[at] == KIND["COLON"] and inside:
             inside = False
-        elif kinds[at] == NAME and kinds[at - 1] != KIND["COLON"] and texts[at].upper() in ("GET", "SET"):
-            if not inside or tokens.starts_line(at) and kinds[at + 1] not in _PATH_GOES_ON:
-                kinds[at], inside = KIND[texts[at].upper()], True
+        elif kinds[at - 1] != KIND["COLON"] and _begins_accessor(tokens, at) and (not inside or tokens.starts_line(at)):
+            kinds[at], inside = KIND[texts[at].upper()], True
+
+
+def _begins_accessor(tokens: Tokens, at: int) -> bool:
+    """GET or SET that is no variable of that name."""
+    word = tokens.kinds[at] == NAME and tokens.texts[at].upper() in ("GET", "SET")
+    return word and tokens.kinds[at + 1] not in _PATH_GOES_ON
+
+
+def _ended_accessor(tokens: Tokens, end: int) -> None:
+    """The beginning of an accessor, from its end: the PROPERTY may be misspelt."""
+    word = tokens.texts[end].upper()[4:]
+    for at in range(end - 1, -1, -1):
+        if tokens.kinds[at] in _OUTER_ENDS or tokens.kinds[at] == KIND[word]:
+            return
+        if tokens.texts[at].upper() == word and _begins_accessor(tokens, at):
+            tokens.kinds[at] = KIND[word]
+            return
 
 
 def _is_keyword(tokens: Tokens, i: int, word: str) -> bool:

@@ -6,7 +6,7 @@ from stcore import syntax as s
 from stcore import types as t
 from stcore.near import near
 from stcore.project import Project
-from stcore.scope import Pou, key, member_of
+from stcore.scope import ActionOf, Pou, key, member_of
 from stcore.source import Source
 
 
@@ -58,6 +58,8 @@ class Context:
             return pou.result
         if upper in pou.enum_names:
             return pou.enum_names[upper]
+        if pou.base is None and not pou.methods:  # most POUs: asked for every name
+            return ActionOf(pou, pou.actions[upper]) if upper in pou.actions else None
         found = pou.action(upper) or member_of(pou, upper)
         if found is None and pou.base is not None:
             return next((p.enum_names[upper] for p in pou.chain() if upper in p.enum_names), None)

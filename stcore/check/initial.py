@@ -6,7 +6,7 @@ from stcore import syntax as s
 from stcore import types as t
 from stcore.check.conversions import Conversions
 from stcore.near import near
-from stcore.scope import Init, key
+from stcore.scope import Init, Var, key
 
 
 class Initials(Conversions):
@@ -69,6 +69,7 @@ class Initials(Conversions):
         items = []
         for position, arg in enumerate(node.items):
             field = kind.members.get(key(arg.name)) if arg.name else None
+            field = self._of_init(kind, arg) or field
             if arg.name is None and position < len(kind.members):
                 field = list(kind.members.values())[position]
             if field is None:
@@ -78,6 +79,14 @@ class Initials(Conversions):
             if arg.value is not None:
                 items.append((field, self.initial(arg.value, field.type)))
         return s.StructInit(node.start, node.end, items)
+
+    def _of_init(self, kind: t.Type, arg: s.Arg) -> Var | None:
+        """The input of FB_init that an argument in a declaration is for: fb : Block(n := 3)."""
+        pou = self.project.block_pous.get(kind)
+        for method in [p.methods["FB_INIT"] for p in pou.chain() if "FB_INIT" in p.methods] if pou and arg.name else ():
+            if method.variables.get(key(arg.name)) in method.inputs():
+                return method.variables[key(arg.name)]
+        return None
 
     def wrong_init(self, node: s.Node) -> s.Node:
         made = s.StructInit(node.start, node.end, [])

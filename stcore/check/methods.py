@@ -12,6 +12,9 @@ from stcore.near import near
 from stcore.scope import MethodOf, Pou, PropertyOf, key, member_of
 
 
+_OWN_INPUTS = ("FB_INIT", "FB_REINIT", "FB_EXIT")  # each block has its own, and its base's runs besides
+
+
 @dataclass(eq=False, slots=True)
 class MethodCall(FunctionCall):
     """A call of a method. base: the instance, None for the running one; of a method of an interface the variable that
@@ -108,9 +111,12 @@ class Methods(Calls):
     def check_members(self) -> None:
         """Whether the block declares its methods as its base and its interfaces do, and lacks none."""
         pou = self.pou
+        said = self.project.reporter.diagnostics
+        if any(d.code.startswith("E01") and d.file == self.source.path for d in said):
+            return  # it may have what the parser could not read
         for name, method in pou.methods.items():
             inherited = pou.base.method(name) if pou.base is not None else None
-            if inherited is not None:
+            if inherited is not None and name not in _OWN_INPUTS:
                 self._as_declared(method, inherited)
         for interface in pou.interfaces:
             wanted = {n: m for x in interface.chain() for n, m in x.methods.items()}

@@ -12,9 +12,10 @@ from stcore.emit import values
 from stcore.emit.changes import acts
 from stcore.emit.dispatch import signature
 from stcore.emit.expressions import Expressions
+from stcore.emit.image import InitCall
 from stcore.emit.values import address, constant, load, store, wasm_type
 from stcore.program import HOST_FAILED
-from stcore.scope import ActionOf, Pou, Var
+from stcore.scope import ActionOf, Pou, Var, key
 
 
 def scalar_outputs(pou: Pou) -> list[Var]:
@@ -72,6 +73,19 @@ class Calls(Expressions):
             return f"(block{results} {given} (drop (i32.const {site})) (call {name}))"
 
         return self._called(node, call, emit)
+
+    def init_call(self, init: InitCall, instance: str) -> None:
+        """FB_init for an instance: bInitRetains is TRUE, bInCopyCode FALSE, since memory begins anew."""
+        pou = init.method
+        args = []
+        for p in pou.inputs():
+            value = init.given.get(key(p.name))
+            args.append("(i32.const 1)" if key(p.name) == "BINITRETAINS" else self._argument(p, value))
+        args += [self._aggregate_output(p, None) for p in aggregate_outputs(pou)]
+        if pou.result is not None and t.is_aggregate(pou.result.type):
+            args.append(address("(local.get $fp)", self.frame(pou.result.type.size, pou.result.type.align)))
+        self.module.need(pou)
+        self.line(f"(call {pou.symbol} {instance} {' '.join(args)})" + " drop" * len(signature(pou)[1]))
 
     def _instance_of(self, call: MethodCall) -> tuple[str, int]:
         """Where the instance of a method call is."""

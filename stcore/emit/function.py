@@ -8,7 +8,7 @@ from collections.abc import Callable
 from stcore import syntax as s
 from stcore import types as t
 from stcore.emit.calls import aggregate_outputs, scalar_outputs
-from stcore.emit.image import Late
+from stcore.emit.image import InitCall, Late
 from stcore.emit.inline import ROOM, Inlining, NeedsFrame
 from stcore.emit.values import address, constant, load, store, wasm_type, wrap
 from stcore.scope import Pou, Var
@@ -307,7 +307,10 @@ class FunctionEmitter(Inlining):
                     self.line(f"(call {self.module.late_code(late)} {address(base, offset + late.owner)})")
 
     def set_late(self, late: Late, base: str, offset: int) -> None:
-        """An initial value that is no constant, into the variable at this place."""
+        """An initial value that is no constant, into the variable at this place; or the call of FB_init there."""
+        if isinstance(late.node, InitCall):
+            self.init_call(late.node, address(base, offset + late.offset))
+            return
         text, offset = self.narrow(late.node), offset + late.offset
         if t.is_aggregate(late.type):
             self.line(self.copy_bytes(late.type, address(base, offset), text))

@@ -8,18 +8,27 @@ from dataclasses import dataclass
 from stcore import syntax as s
 from stcore import types as t
 from stcore.check.initial import check_init
-from stcore.scope import Pou, Var
+from stcore.scope import Pou, Var, key
 
 _FORMAT = {1: "<B", 2: "<H", 4: "<I", 8: "<Q"}
 
 
+@dataclass(eq=False, slots=True)
+class InitCall:
+    """A call of FB_init for an instance. given: what its declaration says, by upper-case name of the input."""
+
+    method: Pou
+    given: dict[str, s.Node]
+
+
 @dataclass(slots=True)
 class Late:
-    """An initial value that only the running program can work out: ADR(x), a function's result, another variable."""
+    """An initial value that only the running program can work out: ADR(x), a function's result, another variable; or
+    the call of FB_init of the instance at this offset."""
 
     offset: int
     type: t.Type
-    node: s.Node
+    node: s.Node | InitCall
     pou: Pou | None
     owner: int  # offset of the instance whose names the expression uses
     source: object = None
@@ -103,6 +112,10 @@ class ImageBuilder:
             late += [_moved(x, field.offset) for x in inner]
         if getattr(kind, "number", 0):
             image[:4] = struct.pack("<I", kind.number)
+        if isinstance(kind, t.Block):
+            chain = reversed([*self.project.block_pous[kind].chain()])  # the base is the first
+            methods = [pou.methods["FB_INIT"] for pou in chain if "FB_INIT" in pou.methods]
+            late += [Late(0, kind, InitCall(m, {}), None, 0, m.source) for m in methods]
         return bytes(image), late
 
     def of_field(self, field: t.Field) -> tuple[bytes, list[Late]]:
@@ -158,12 +171,27 @@ class ImageBuilder:
     def _struct(self, node: s.StructInit, kind: t.Type, init) -> tuple[bytes, list[Late]]:
         default, late = self.of_type(kind)
         image, late = bytearray(default), list(late)
+        calls = [x for x in late if isinstance(x.node, InitCall) and x.offset == 0 and x.type is kind]
+        if calls:
+            return self._initialised(node, kind, init, calls)
         for field, value in node.items:
             data, inner = self.value(value, field.type, init)
             image[field.offset : field.offset + len(data)] = data
             inside = range(field.offset, field.offset + field.type.size)
             late = [x for x in late if x.offset not in inside] + [_moved(x, field.offset) for x in inner]
         return bytes(image), sorted(late, key=lambda x: x.offset)  # the order of declaration
+
+
+    def _initialised(self, node: s.StructInit, kind: t.Block, init, calls: list[Late]) -> tuple[bytes, list[Late]]:
+        """An instance with FB_init and initial values of its own: those are set when FB_init is done, as in CODESYS."""
+        data, late = self.of_type(kind)
+        given = {key(x.name): value for x, value in node.items if isinstance(x, Var)}
+        late = [x for x in late if x not in calls]
+        late += [Late(0, kind, InitCall(x.node.method, given), init.pou, 0, init.source) for x in calls]
+        for field, value in node.items:
+            if not isinstance(field, Var):
+                late.append(Late(field.offset, field.type, value, init.pou, 0, init.source))
+        return data, late
 
 
 def _moved(late: Late, by: int) -> Late:

@@ -258,3 +258,48 @@ def test_faults_name_the_instance():
     assert (fault.code, fault.instance) == ("F0101", "PLC_PRG.line_.Go")
     fault = Run(program("x := c.Factorial(100000000);", "c : Counter; x : DINT;", COUNTER)).fault()
     assert fault.code == "F0105"
+
+
+WITH_INIT = """
+FUNCTION_BLOCK A
+VAR_INPUT start : INT := 5; END_VAR
+VAR seen, order : INT; p : POINTER TO INT; END_VAR
+METHOD FB_init : BOOL
+VAR_INPUT bInitRetains : BOOL; bInCopyCode : BOOL; n : INT := 1; place : POINTER TO INT; END_VAR
+seen := start + n;
+order := 1;
+p := place;
+IF bInitRetains AND NOT bInCopyCode THEN seen := seen + 1000; END_IF
+END_METHOD
+END_FUNCTION_BLOCK
+FUNCTION_BLOCK B EXTENDS A
+VAR own : INT; inner : A(n := 7); END_VAR
+METHOD FB_init : BOOL
+VAR_INPUT bInitRetains : BOOL; bInCopyCode : BOOL; n : INT := 2; END_VAR
+own := n + order + inner.seen;
+END_METHOD
+END_FUNCTION_BLOCK
+FUNCTION Fresh : INT
+VAR a : A(n := 3); END_VAR
+Fresh := a.seen;
+a.seen := 99;
+END_FUNCTION
+"""
+
+
+def test_fb_init(sizes):
+    r = run(
+        "f1 := Fresh(); f2 := Fresh(); x := 78; through := c.p^;",
+        "a : A; b : A(n := 10); x : INT := 77; c : A(n := 3, place := ADR(x)) := (start := 8); d : ARRAY[1..3] OF A;"
+        "e : B(n := 30); f1, f2, through : INT;",
+        WITH_INIT,
+    )
+    assert [r[n] for n in ("a.seen", "b.seen", "d[3].seen")] == [1006, 1015, 1006]
+    assert (r["c.seen"], r["c.start"], r["through"]) == (1008, 8, 78)  # its initial values come after FB_init
+    assert (r["e.seen"], r["e.inner.seen"], r["e.own"]) == (1035, 1012, 30 + 1 + 1012)  # inner ones, base, own
+    assert r["f1"] == r["f2"] == 1008
+
+
+def test_an_input_that_fb_init_has_not():
+    (found,) = errors(program("", "a : A(m := 3);", WITH_INIT))
+    assert (found.code, found.message) == ("E0306", "A has no member m")
