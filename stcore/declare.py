@@ -202,8 +202,8 @@ class Declarer:
     def initial(self, decl: s.VarDecl, pou: Pou | None) -> Init | None:
         """What a declaration says of the initial value: its own, or its type's."""
         if decl.init is not None:
-            args = decl.type.args if isinstance(decl.type, s.NamedType) and isinstance(decl.init, s.StructInit) else None
-            if args:  # fb : Block(n := 3) := (x := 4)
+            args = decl.type.args if isinstance(decl.type, s.NamedType) else None
+            if args and isinstance(decl.init, s.StructInit):  # fb : Block(n := 3) := (x := 4)
                 both = s.StructInit(decl.type.start, decl.init.end, [*args, *decl.init.items])
                 return Init(both, self.source, pou, self.library)
             return Init(decl.init, self.source, pou, self.library)

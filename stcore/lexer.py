@@ -38,6 +38,9 @@ TERMINALS = (
 KIND = {name: i for i, name in enumerate(TERMINALS)}
 NAME, NUMBER, SOFT, RULE, DOTS, BAD = (KIND[n] for n in ("NAME", "NUMBER", "SOFT", "RULE", "DOTS", "BAD"))
 END_KINDS = frozenset(k for n, k in KIND.items() if n.startswith("END_"))
+_ACCESSOR_ENDS = (KIND["END_GET"], KIND["END_SET"])
+_OUTER_ENDS = [KIND[f"END_{n}"] for n in ("METHOD", "PROPERTY", "INTERFACE", "FUNCTION_BLOCK", "PROGRAM")]
+_OBJECT_ENDS = (*_ACCESSOR_ENDS, *_OUTER_ENDS[:2])
 
 _RESERVED = """
 PROGRAM END_PROGRAM FUNCTION END_FUNCTION FUNCTION_BLOCK END_FUNCTION_BLOCK END_ACTION TYPE END_TYPE STRUCT
@@ -227,7 +230,7 @@ def _classify(word: str, tokens: Tokens) -> int:
         if "#" in word:
             return KIND["TYPED"]
         kind = WORDS.get(word.upper(), NAME)
-        if kind == SOFT:
+        if kind == SOFT or kind in _OBJECT_ENDS:
             tokens.soft = True
         elif kind == NAME and len(word) > 2 and not word.strip("_"):
             tokens.soft = True
@@ -308,14 +311,14 @@ _PATH_GOES_ON = frozenset(KIND[n] for n in ("ASSIGN", "DOT", "CARET", "LBRACKET"
 _MODIFIERS = ("ABSTRACT", "FINAL", "PUBLIC", "PRIVATE", "PROTECTED", "INTERNAL", "OVERRIDE")
 _OBJECTS = ("METHOD", "INTERFACE", "PROPERTY")
 _HEADS = ("PROGRAM", "FUNCTION", "FUNCTION_BLOCK", *_OBJECTS)  # what a modifier may stand behind
-_ACCESSOR_ENDS = (KIND["END_GET"], KIND["END_SET"])
-_OUTER_ENDS = (*_ACCESSOR_ENDS, *(KIND[f"END_{n}"] for n in ("PROPERTY", "METHOD", "FUNCTION_BLOCK", "PROGRAM")))
 _BETWEEN = END_KINDS | {KIND["SEMI"], 0}  # a METHOD may begin behind these on the same line
 
 
 def resolve(tokens: Tokens, reporter: Reporter) -> None:
     """Decide what the words are that are keywords only between certain neighbours; drop rule lines and placeholders."""
     kinds, texts = tokens.kinds, tokens.texts
+    for i in [i for i, kind in enumerate(kinds) if kind in _OBJECT_ENDS]:
+        _misspelt(tokens, i, reporter)
     special = [i for i, kind in enumerate(kinds) if kind >= SOFT]
     for i in reversed(special):  # from the end, so that what is taken out moves nothing that is still to come
         kind = kinds[i]
@@ -336,10 +339,64 @@ def resolve(tokens: Tokens, reporter: Reporter) -> None:
         _accessors(tokens, i)
     for i in [i for i, kind in enumerate(kinds) if kind in _ACCESSOR_ENDS]:
         _ended_accessor(tokens, i)
+    for i in reversed([i for i, kind in enumerate(kinds) if TERMINALS[kind] in _HEADS]):
+        _misspelt_modifier(tokens, i + 1, reporter)
+        if kinds[i] == KIND["METHOD"]:
+            _method_head(tokens, i, reporter)
+
+
+def _misspelt(tokens: Tokens, end: int, reporter: Reporter) -> None:
+    """The METHOD, PROPERTY, GET or SET of an end, if it is misspelt: no other word stands before a name."""
+    from stcore.words import distance  # that module is built on this one
+
+    kinds, texts = tokens.kinds, tokens.texts
+    word = TERMINALS[kinds[end]][4:]
+    stops = _OBJECT_ENDS if word in ("GET", "SET") else _OUTER_ENDS
+    meant = -1
+    for at in range(end - 1, -1, -1):
+        if kinds[at] in stops or texts[at].upper() == word:
+            break
+        if kinds[at] == NAME and kinds[at + 1] in (NAME, SOFT) and tokens.starts_line(at):
+            if distance(texts[at].upper(), word, 2) <= 2:
+                meant = at
+    if meant >= 0 and texts[at].upper() != word:
+        reporter.add("E0115", tokens.source, tokens.starts[meant], tokens.ends[meant], found=texts[meant], keyword=word)
+        kinds[meant], texts[meant] = SOFT, word
+
+
+def _misspelt_modifier(tokens: Tokens, at: int, reporter: Reporter) -> None:
+    """`FUNCTION_BLOCK ABSTARCT Shape`: of two names the first is one of these words."""
+    from stcore.words import distance  # that module is built on this one
+
+    kinds, texts = tokens.kinds, tokens.texts
+    if kinds[at] != NAME or kinds[at + 1] != NAME or tokens.starts_line(at + 1):
+        return
+    for word in _MODIFIERS:
+        if distance(texts[at].upper(), word, 2) <= 2:
+            reporter.add("E0115", tokens.source, tokens.starts[at], tokens.ends[at], found=texts[at], keyword=word)
+            kinds[at], texts[at] = KIND["MODIFIER"], word
+            return
 
 
 def _is_modifier(before: str, after: int) -> bool:
     return (before in _HEADS or before in _MODIFIERS) and after in (NAME, KIND["MODIFIER"])
+
+
+def _method_head(tokens: Tokens, at: int, reporter: Reporter) -> None:
+    """`METHOD Open BOOL`, `METHOD Open Open : BOOL`: statements may follow a head, the parser would not see it."""
+    kinds, texts = tokens.kinds, tokens.texts
+    while kinds[at] != NAME:
+        at += 1
+    second = at + 1
+    if kinds[second] != NAME or tokens.starts_line(second):
+        return
+    place = tokens.source, tokens.starts[second], tokens.ends[second]
+    if kinds[second + 1] == KIND["COLON"] and texts[second].upper() == texts[at].upper():
+        reporter.add("E0116", *place, found=texts[second])
+        tokens.delete(second, second + 1)
+    elif kinds[second + 1] in (KIND["VAR"], KIND["END_METHOD"]) or tokens.starts_line(second + 1):
+        reporter.add("E0102", tokens.source, tokens.ends[at], tokens.ends[at] + 1, what=":", where=f"after {texts[at]}")
+        tokens.insert(second, KIND["COLON"], ":")
 
 
 def _accessors(tokens: Tokens, at: int) -> None:
@@ -364,7 +421,7 @@ def _ended_accessor(tokens: Tokens, end: int) -> None:
     """The beginning of an accessor, from its end: the PROPERTY may be misspelt."""
     word = tokens.texts[end].upper()[4:]
     for at in range(end - 1, -1, -1):
-        if tokens.kinds[at] in _OUTER_ENDS or tokens.kinds[at] == KIND[word]:
+        if tokens.kinds[at] in (*_OUTER_ENDS, *_ACCESSOR_ENDS, KIND[word]):
             return
         if tokens.texts[at].upper() == word and _begins_accessor(tokens, at):
             tokens.kinds[at] = KIND[word]

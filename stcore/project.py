@@ -49,6 +49,7 @@ class Project:
         self.element_inits: dict[t.Array, Init] = {}  # of elements whose named type has an initial value
         self.block_pous: dict[t.Block, Pou] = {}
         self.classes: list[t.Block] = []  # blocks whose instances begin with their number, by number from 1
+        self.unknown: dict[Pou, set[str]] = {}  # upper-case names that mean nothing in a POU, and have been reported
         self.extensions: dict[str, list[s.Pou]] = {}  # upper-case name of a block -> those that extend it
         self.named_types: dict[str, t.Type] = {}
         self.declaring = 0  # declarations that are being resolved

@@ -123,6 +123,12 @@ class Pou:
             for interface in self.interfaces:
                 yield from interface.chain()
 
+    @property
+    def incomplete(self) -> bool:
+        """True if the name of what it extends or implements means nothing, which has been said."""
+        own = self.tree.extends is not None and self.base is None or len(self.tree.implements) > len(self.interfaces)
+        return own or any(p.incomplete for p in (self.base, self.holder) if p is not None)
+
     def method(self, name: str) -> Pou | None:
         """Its own or inherited method of an upper-case name (accessors: NAME.GET, NAME.SET)."""
         return next((p.methods[name] for p in self.chain() if name in p.methods), None)

@@ -18,7 +18,8 @@ class Context:
         self.source = source
         self.pou = pou
         self.library = library
-        self.unknown: set[str] = set()  # reported once a POU
+        family = pou and [*(pou.holder or pou).chain()][-1]  # reported once a POU and all that belongs to it
+        self.unknown: set[str] = project.unknown.setdefault(family, set()) if family else set()
         self.loops = 0
         self.labels: frozenset[str] = frozenset()  # that JMP can reach
         self.target: s.Node | None = None  # what an assignment writes: a property there is not read
@@ -80,7 +81,7 @@ class Context:
         return near(name, self.known_names())
 
     def unknown_name(self, node: s.Node, name: str, code: str = "E0301") -> None:
-        if key(name) not in self.unknown:
+        if key(name) not in self.unknown and not (self.pou is not None and self.pou.incomplete):
             self.unknown.add(key(name))
             self.error(code, node, name=name, near=self.near(name))
 

@@ -129,6 +129,8 @@ class Conversions(Printed):
             if isinstance(source, t.Block) and source.implements(target):
                 self._mark(node, node, True, True)
                 return self._wrapped(node, target)
+            if isinstance(source, t.Block) and self.project.block_pous[source].incomplete:
+                return node
         self._refuse(node, source, target, what)
         return node
 

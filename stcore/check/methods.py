@@ -11,7 +11,6 @@ from stcore.check.conversions import same
 from stcore.near import near
 from stcore.scope import MethodOf, Pou, PropertyOf, key, member_of
 
-
 _OWN_INPUTS = ("FB_INIT", "FB_REINIT", "FB_EXIT")  # each block has its own, and its base's runs besides
 
 

@@ -75,7 +75,8 @@ class Names(Conversions):
         """The running instance as one of the block that its block extends."""
         base = (self.pou.holder or self.pou).base
         if base is None:
-            self.error("E0415", node, name=(self.pou.holder or self.pou).name)
+            if not self.pou.incomplete:
+                self.error("E0415", node, name=(self.pou.holder or self.pou).name)
             return self.wrong(node)
         node.type, node.symbol = t.Pointer(base.type), "super"
         return node
@@ -189,6 +190,8 @@ class Names(Conversions):
         if field is None:
             known = [f.name for f in kind.members.values()]
             if isinstance(kind, t.Block):
+                if self.project.block_pous[kind].incomplete:
+                    return self.wrong(node)
                 known += [m.name for p in self.project.block_pous[kind].chain() for m in p.methods.values()]
             self.error("E0306", node, name=node.name, type=kind.name, near=near(node.name, known))
             return self.wrong(node)
