@@ -162,9 +162,8 @@ def _memmove(e, node: s.Call, call: BuiltinCall) -> str:
     to, source, count = (e.value(a) for a in call.args)
     temp = e.temp("i32")
     mark = e.marker(node, "F0104")
-    return (
-        f"(block (result i32) {mark} (memory.copy (local.tee {temp} {to}) {source} {count}) (local.get {temp}))"
-    )
+    copied = f"(local.tee {temp} {to}) {source} {count} {mark} (memory.copy)"
+    return f"(block (result i32) {copied} (local.get {temp}))"
 
 
 def _memset(e, node: s.Call, call: BuiltinCall) -> str:
@@ -173,7 +172,8 @@ def _memset(e, node: s.Call, call: BuiltinCall) -> str:
         value = f"(i32.wrap_i64 {value})"
     temp = e.temp("i32")
     mark = e.marker(node, "F0104")
-    return f"(block (result i32) {mark} (memory.fill (local.tee {temp} {to}) {value} {count}) (local.get {temp}))"
+    filled = f"(local.tee {temp} {to}) {value} {count} {mark} (memory.fill)"
+    return f"(block (result i32) {filled} (local.get {temp}))"
 
 
 def _bound(e, node: s.Call, call: BuiltinCall) -> str:
