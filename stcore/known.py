@@ -14,7 +14,7 @@ from stcore import types as t
 from stcore.check import CheckedProject
 from stcore.declare import Pending
 from stcore.diagnostics import Reporter
-from stcore.paths import PathError
+from stcore.paths import PathError, resolve
 from stcore.program import Parameter, Program, Routine, Variable
 from stcore.scope import EnumValue, GlobalList, Pou, TypeName, Var, key
 from stcore.source import Source
@@ -52,6 +52,7 @@ class Names:
         self._types()
         self._routines()
         self._variables()
+        self._accesses()
 
     def _types(self) -> None:
         for name, kind in self.program.types.items():
@@ -217,6 +218,17 @@ class Names:
             original = pou.variables[name]
             var.constant, var.read_only, var.const = original.constant, original.read_only, original.const
             self.short[name][f"{variable.path}.{field.name}"] = var
+
+    def _accesses(self) -> None:
+        """The names that VAR_ACCESS gives to variables."""
+        for name, (path, read_only) in self.program.accesses.items():
+            place = resolve(self.program, path)
+            if place.hops:  # behind a pointer, which may change: reached by its path only
+                continue
+            var = Var(name, place.type, "global", place.address, bit=place.bit)
+            if read_only or place.constant:
+                var.read_only = "VAR_ACCESS has it READ_ONLY" if read_only else "it is a CONSTANT"
+            self.exact.setdefault(name, var)
 
     @functools.cached_property
     def index(self) -> dict[str, str]:

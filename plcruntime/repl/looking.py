@@ -77,13 +77,13 @@ class Looking:
     def do_set(self, rest: str) -> None:
         name, value = self._assignment(rest, "set")
         if self.debugger.stop is None:
-            place = self.plc.place(name)
+            self.plc.place(name)
             try:
                 parsed = self.plc.parse_value(name, value)
             except (TypeError, ValueError, PathError):
                 pass  # not a literal of that type: an expression
             else:
-                self.plc[place.name] = parsed
+                self.plc[name] = parsed
                 return
         self.debugger.evaluate(f"{name} := {value};")
 
@@ -101,7 +101,7 @@ class Looking:
                 value = self.debugger.evaluate(text).value
             except Exception:
                 raise error from None
-        self.plc.force(place.name, value)
+        self.plc.force(name, value)
         self.debugger.touch()
         self.session.say(f"forced: {place.name} = {self.plc.show(place.name)}")
 

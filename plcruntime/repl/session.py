@@ -9,10 +9,12 @@ from plcruntime.plc import PLC
 from plcruntime.trace import Trace
 from plcruntime.warnings import RunWarning
 from stcore import paths, values
+from stcore.diagnostics import CompileError
 from stcore.diagnostics import text as shown
 from stcore.faults import Fault
 from stcore.paths import PathError, Place
 from stcore.program import NULL_PAGE
+from stcore.side import summary
 from stcore.source import read
 
 LONG = 100  # characters of a value that are shown
@@ -115,6 +117,10 @@ class Session:
         """The value of a path or an expression, or why there is none."""
         try:
             return self.short(self.evaluate_text(text))
+        except CompileError as error:
+            return f"<{summary(error.diagnostics)}>"
+        except Fault as fault:
+            return f"<{fault.message}>"
         except Exception as error:  # a watch that fails must not keep the others from being shown
             return f"<{str(error).splitlines()[0]}>"
 
