@@ -57,9 +57,15 @@ def diagnose(files: Files, *, libraries: Sequence[Path] = (), strict: bool = Fal
 
 def compile_condition(program: Program, text: str) -> bytes:
     """An ST expression of type BOOL over the program's variables, for Machine.set_until. Raises CompileError."""
-    from stcore.side import compile_condition as make
+    key = program.digest, program.wasm, text  # the same texts may make another module, for other tasks
+    made = _conditions.get(key) if program.digest else None
+    if made is None:
+        from stcore.side import compile_condition as make
 
-    return make(program, text)
+        made = _conditions[key] = make(program, text)
+        if len(_conditions) > CONDITIONS:
+            del _conditions[next(iter(_conditions))]
+    return made
 
 
 def _sources(files: Files) -> list[Source]:
@@ -144,5 +150,7 @@ class _Build(NamedTuple):
             return None  # written by another version, or damaged: build again
 
 
-RECENT = 8  # builds that a process keeps: a suite of tests loads the same program again and again
-_recent: dict[str, _Build] = {}
+# A suite of tests loads the same programs again and again, and waits for the same things: so many does a process keep.
+RECENT, CONDITIONS = 8, 64
+_recent: dict[str, _Build] = {}  # key of the build -> it
+_conditions: dict[tuple[str, bytes, str], bytes] = {}  # digest and module of the program, condition -> its module
