@@ -114,7 +114,8 @@ def test_count(plc, case):
 def test_what_is_read_reaches_the_last_element():
     plc = PLC.load("""
 PROGRAM PLC_PRG
-VAR a3, part : ARRAY[0..2] OF LREAL := [3(-1.0)]; rtn : ARRAY[0..2] OF INT; END_VAR
+VAR a3, part : ARRAY[0..2] OF LREAL := [3(-1.0)]; rtn : ARRAY[0..2] OF INT; at : DWORD; END_VAR
+at := ADR(a3);
 GT_SetPrfPos(1, 10); GT_SetPrfPos(2, 20); GT_SetPrfPos(3, 30); GT_SetPrfPos(4, 40);
 rtn[0] := GT_GetPrfPos(1, ADR(a3), 4);
 rtn[1] := GT_GetPrfPos(profile := 2, count := 3, pValue := ADR(a3));
@@ -123,7 +124,8 @@ END_PROGRAM""")
     plc.scan()
     assert plc["PLC_PRG.rtn"] == [7, 0, 0]
     assert plc["PLC_PRG.a3"] == [20.0, 30.0, 40.0] and plc["PLC_PRG.part"] == [-1.0, 30.0, 40.0]
-    assert plc.evaluate("GT_GetPrfPos(1, ADR(PLC_PRG.a3), 4)") == 7
+    for pointer in ("ADR(PLC_PRG.a3)", "PLC_PRG.at"):
+        assert plc.evaluate(f"GT_GetPrfPos(1, {pointer}, 4)") == 7
     assert plc.evaluate("GT_GetPrfPos(1, ADR(PLC_PRG.a3), 3)") == 0 and plc["PLC_PRG.a3"] == [10.0, 20.0, 30.0]
 
 
