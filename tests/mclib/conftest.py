@@ -136,21 +136,37 @@ FEW = 50  # rows
 TYPES = {"ErrorID": "<i2", "result": "<i2", "state": "<i2"} | dict.fromkeys(AXIS[:4], "<f8")  # the others are BOOL
 
 
+_LAST: list = []  # the last programs and what is watched of them: many tests share one
+
+
+def to_watch(program) -> tuple[dict[str, list[str]], range, dict[str, paths.Place]]:
+    """Blocks with the members that they have, numbers of the axes, the places of both."""
+    for known, found in _LAST:
+        if known is program:
+            return found
+    small, _ = paths.small_places(program, 64)
+    names = {place.name.upper(): place.name for place in small}
+    blocks = {}
+    for upper, name in names.items():
+        prefix = name.rpartition(".")[0]
+        if upper.endswith(".BUSY") and f"{prefix}.ErrorID".upper() in names and not name.startswith("SIM."):
+            blocks[prefix] = [m for m in MEMBERS if f"{prefix}.{m}".upper() in names]
+    axes = range(1, 1 + sum(upper.endswith(".WAXISSTRUCTID") for upper in names))
+    columns = [f"{prefix}.{m}" for prefix, members in blocks.items() for m in members]
+    columns += [f"SIM.Axis[{n}].{m}" for n in axes for m in AXIS]
+    found = blocks, axes, {c: paths.resolve(program, c) for c in columns} if blocks else {}
+    _LAST.insert(0, (program, found))
+    del _LAST[4:]
+    return found
+
+
 class Watch:
     """A trace of a PLC's motion blocks and axes; check() says what is against the rules."""
 
     def __init__(self, plc) -> None:
         self.plc = plc
-        small, _ = paths.small_places(plc.program, 64)
-        names = {place.name.upper(): place.name for place in small}
-        self.blocks = {}
-        for upper, name in names.items():
-            prefix = name.rpartition(".")[0]
-            if upper.endswith(".BUSY") and f"{prefix}.ErrorID".upper() in names and not name.startswith("SIM."):
-                self.blocks[prefix] = [m for m in MEMBERS if f"{prefix}.{m}".upper() in names]
-        self.axes = range(1, 1 + sum(upper.endswith(".WAXISSTRUCTID") for upper in names))
-        columns = [f"{prefix}.{m}" for prefix, members in self.blocks.items() for m in members]
-        columns += [f"SIM.Axis[{n}].{m}" for n in self.axes for m in AXIS]
+        self.blocks, self.axes, columns = to_watch(plc.program)
+        plc._places.update(columns)  # resolved once for all tests of a program
         self.trace = plc.trace(*columns) if self.blocks else None
 
     def check(self) -> list[str]:
