@@ -1,5 +1,5 @@
-"""Axis 1 under GT_ commands. They are called from a PROGRAM whose variables are the arguments; 'job' says which one runs
-in the next scan."""
+"""Axis 1 under GT_ commands. They are called from a PROGRAM whose variables are the arguments; job says which one is in
+the next scan."""
 
 from plcruntime import PLC
 

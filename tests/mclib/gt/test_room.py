@@ -190,6 +190,37 @@ END_PROGRAM""")
     assert plc["PLC_PRG.rtn"] == [0, 7, 0, 7]
 
 
+def test_addresses_kept_by_an_instance_or_a_function():
+    plc = PLC.load("""
+FUNCTION Local : INT
+VAR_INPUT n : INT; END_VAR
+VAR at : DWORD; v : ARRAY[0..2] OF LREAL; END_VAR
+at := ADR(v[1]);
+Local := GT_GetPrfPos(1, at, n);
+END_FUNCTION
+FUNCTION_BLOCK Own
+VAR_INPUT n : INT; END_VAR
+VAR_OUTPUT rtn : INT; END_VAR
+VAR before : DINT := 7; v : ARRAY[0..2] OF LREAL; behind : DINT := 7; at : POINTER TO LREAL; END_VAR
+at := ADR(v);
+rtn := GT_GetPrfPos(1, at, n);
+END_FUNCTION_BLOCK
+PROGRAM PLC_PRG
+VAR own : ARRAY[1..2] OF Own; i : INT; rtn : ARRAY[1..6] OF INT; END_VAR
+FOR i := 1 TO 2 DO
+    own[i](n := 3);
+    rtn[i] := own[i].rtn;
+    own[i](n := 4);
+    rtn[2 + i] := own[i].rtn;
+END_FOR
+rtn[5] := Local(2);
+rtn[6] := Local(3);
+END_PROGRAM""")
+    plc.scan()
+    assert plc["PLC_PRG.rtn"] == [0, 0, 7, 7, 0, 7]
+    assert [plc[f"PLC_PRG.own[{i}].behind"] for i in (1, 2)] == [7, 7]
+
+
 def test_an_address_of_a_part_leads_into_the_whole_where_that_is_taken_too():
     plc = PLC.load("""
 TYPE Row : STRUCT before : LREAL; v : ARRAY[1..2] OF LREAL; END_STRUCT END_TYPE
