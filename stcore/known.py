@@ -23,6 +23,11 @@ from stcore.values import FORMATS, decode
 NOWHERE = Source("")
 
 
+def _placed(name: str, kind: t.Type, storage: str, address: int, **more) -> Var:
+    """A variable of the program. It may have other names here, and its pointers are not known: no local may hold it."""
+    return Var(name, kind, storage, address, addressed=True, **more)
+
+
 @dataclass(slots=True)
 class Scene:
     """Where a probe stopped: names of the POU's own variables are known there.
@@ -79,7 +84,7 @@ class Names:
         pou = Pou(kind.kind, kind.name, _tree(kind.kind, kind.name), NOWHERE, type=kind, checked=True)
         for name, field in kind.members.items():
             static = field.section == "VAR_STAT"
-            var = Var(field.name, field.type, "global" if static else "this", field.offset, section=field.section)
+            var = _placed(field.name, field.type, "global" if static else "this", field.offset, section=field.section)
             var.indirect = field.by_reference
             var.constant = field.constant
             if field.constant:
@@ -190,7 +195,7 @@ class Names:
         return found
 
     def _global(self, variable: Variable) -> Var:
-        var = Var(variable.name, variable.type, "global", variable.address, bit=variable.bit)
+        var = _placed(variable.name, variable.type, "global", variable.address, bit=variable.bit)
         var.library = variable.library
         if variable.constant:
             var.constant, var.read_only = True, "it is a CONSTANT"
@@ -214,7 +219,7 @@ class Names:
                 continue
             static = field.section == "VAR_STAT"
             address = field.offset if static else variable.address + field.offset
-            var = Var(field.name, field.type, "global", address, indirect=field.by_reference)
+            var = _placed(field.name, field.type, "global", address, indirect=field.by_reference)
             original = pou.variables[name]
             var.constant, var.read_only, var.const = original.constant, original.read_only, original.const
             self.short[name][f"{variable.path}.{field.name}"] = var
@@ -225,7 +230,7 @@ class Names:
             place = resolve(self.program, path)
             if place.hops:  # behind a pointer, which may change: reached by its path only
                 continue
-            var = Var(name, place.type, "global", place.address, bit=place.bit)
+            var = _placed(name, place.type, "global", place.address, bit=place.bit)
             if read_only or place.constant:
                 var.read_only = "VAR_ACCESS has it READ_ONLY" if read_only else "it is a CONSTANT"
             self.exact.setdefault(name, var)
