@@ -54,7 +54,8 @@ def test_names_of_var_access_are_read_and_written(plant):
 
 
 @pytest.mark.parametrize(
-    "line", ["other := 4", "set other := 4", "force other := 4", "list[1] := 4", "set list[1] := 4", "set list := [1, 2]"]
+    "line",
+    ["other := 4", "set other := 4", "force other := 4", "list[1] := 4", "set list[1] := 4", "set list := [1, 2]"],
 )
 def test_what_var_access_has_read_only_is_not_written(plant, line):
     said = plant(line)

@@ -1,6 +1,5 @@
 """The prompt as a process: commands from a pipe, and keys in a real terminal (tmux)."""
 
-import os
 import shutil
 import subprocess
 import sys
@@ -11,9 +10,10 @@ from pathlib import Path
 import pytest
 
 from plcruntime import PLC
-from plcruntime.repl import live
+from plcruntime.repl import axis_table, live
 from plcruntime.repl.chart import draw
 from plcruntime.repl.completion import candidates
+from plcruntime.repl.layout import broken, table
 from plcruntime.repl.session import Session
 
 COMMAND = [sys.executable, "-m", "plcruntime", "repl"]
@@ -252,7 +252,7 @@ def test_axes_live_until_a_key_is_pressed(open_terminal):
     terminal.shows(" scans, ")  # the table stays, and the prompt does not get the key
     terminal.line("speed + 1.0")
     screen = terminal.shows("21.0")
-    assert " 20.0000 " in screen and "pulse, ms" in screen and "any key stops" not in screen
+    assert " 20.0000 " in screen and "pulse," in screen and "any key stops" not in screen
     terminal.line("break PLC_PRG:40 if velocity > 25")
     terminal.line("speed := 30.0")
     terminal.line("axes live")
@@ -260,13 +260,27 @@ def test_axes_live_until_a_key_is_pressed(open_terminal):
     terminal.shows("PLC_PRG:40>")
 
 
-def test_the_table_of_axes_fits_a_narrow_terminal():
-    from rich.console import Console
-
-    plc = PLC.load(str(ROOT / "examples_st" / "gt_jog.st"))
-    plc["speed"] = 123.25
+@pytest.mark.parametrize("example", ["gt_jog", "mc_cam_in"])
+def test_the_table_of_axes_fits_a_narrow_terminal(example):
+    plc = PLC.load(str(ROOT / "examples_st" / f"{example}.st"))
+    if example == "gt_jog":
+        plc["speed"] = 123.25
     plc.run("100s")
-    console = Console(width=80, record=True, file=open(os.devnull, "w"))  # noqa: SIM115
-    console.print(live.table(plc))
-    text = console.export_text()
-    assert f"{plc.axes[1].prfPos:.4f}" in text and "123.2500" in text and "…" not in text
+    text = live.picture(plc, 80).plain
+    assert max(map(len, text.split("\n"))) <= 80 and "status" not in text
+    assert f"{plc.axes[1].prfPos:.4f}" in text and all(w in text for w in ("position", "signals", "moving"))
+    assert example != "gt_jog" or "123.2500" in text
+    assert "status" in "\n".join(axis_table.lines(plc, None))
+
+
+def test_long_lines_are_broken_between_words_and_cells_in_their_column():
+    assert broken("one two three", 8) == ["one two", "  three"]
+    assert broken("one two three", None) == ["one two three"]
+    assert broken("x" * 10, 8) == ["x" * 8, "  xx"]
+    rows = [("PLC_PRG.a_long_name.of_a_path", "1.5", "some words that are long"), ("b", "200", "")]
+    lines = table(("name", "value", "text"), rows, 45)
+    assert max(map(len, lines)) <= 45 and all(len(line) > 30 for line in lines[:1])
+    assert lines[1].split()[:2] == ["PLC_PRG.a_long_", "1.5"] and "200" in lines[-1]
+    end = lines[0].index("value")
+    assert "".join(line[2:end].strip() for line in lines[1:-1]) == rows[0][0]
+    assert table(("a", "b"), [("1", "x" * 200)], None) == ["  a  b", "  1  " + "x" * 200]
