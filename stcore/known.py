@@ -14,6 +14,7 @@ from stcore import types as t
 from stcore.check import CheckedProject
 from stcore.declare import Pending
 from stcore.diagnostics import Reporter
+from stcore.library import Index, index
 from stcore.paths import PathError, resolve
 from stcore.program import Parameter, Program, Routine, Variable
 from stcore.scope import EnumValue, GlobalList, Pou, TypeName, Var, key
@@ -236,10 +237,8 @@ class Names:
             self.exact.setdefault(name, var)
 
     @functools.cached_property
-    def index(self) -> dict[str, str]:
+    def index(self) -> Index:
         """Which file of the library defines a name: looked up when a name is nowhere else."""
-        from stcore.library import index
-
         return index(map(Path, self.program.libraries), recursive=True)
 
 
