@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 
 from plcruntime.errors import UsageError
 from stcore.near import near
-from stcore.program import Body, Program
+from stcore.paths import PathError
+from stcore.program import Body, Program, Variable
+from stcore.types import Block
 
 if TYPE_CHECKING:
     from plcruntime.plc import PLC
@@ -17,8 +19,9 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class Breakpoint:
-    """site: of the statement that it stops before; sites: all of that place, one for each instance of a generic
-    function. condition: ST, understood in the POU; None stops always."""
+    """pou: its name, or that of one instance of a program. site: of the statement that it stops before; sites: all of
+    that place, one for each instance of a generic function or of a program. condition: ST, understood in the POU; None
+    stops always."""
 
     number: int
     pou: str
@@ -52,21 +55,40 @@ class Breakpoints:
             raise UsageError(f"{pou} has no statement at line {line} or below; its last is at line {last}")
         found, column, site = min(below)
         same = {s for line, other, s in below if (line, other) == (found, column)}
-        point = Breakpoint(self._next, self.program.sites[site].pou, found, site, same, condition)
+        instance = self._instance(pou)
+        name = instance.path if instance else self.program.sites[site].pou
+        point = Breakpoint(self._next, name, found, site, same, condition)
         self._next += 1
         self.points[point.number] = point
         return point
 
     def statements(self, pou: str) -> list[int]:
-        """The sites of the statements of a POU, or of a file named in its place."""
+        """The sites of the statements of a POU, of one instance of a program, or of a file named in its place."""
         sites, wanted = self.program.sites, pou.upper()
+        if instance := self._instance(pou):
+            bodies = self.program.bodies
+            return [s for s, body in self.program.probed.items() if bodies[body].address == instance.address]
         found = [s for s in self.program.probed if sites[s].pou.upper() == wanted]
         found = found or [s for s in self.program.probed if Path(sites[s].file).name.upper() == wanted]
         if not found:
             known = sorted({sites[s].pou for s in self.program.probed})
-            hint = near(pou, known)
+            hint = near(pou, known) or self._block_of(pou)
             raise UsageError(f"no POU {pou} with statements is in this program{'; ' + hint if hint else ''}")
         return found
+
+    def _instance(self, name: str) -> Variable | None:
+        """The instance of a program that has a name of its own (CONFIGURATION)."""
+        variable = next((v for v in self.program.programs() if v.path.upper() == name.upper()), None)
+        return variable if variable and variable.type.name.upper() != name.upper() else None
+
+    def _block_of(self, path: str) -> str:
+        """Where to stop instead in the instance of a block: its code is that of all instances."""
+        try:
+            kind = self._plc.place(path).type
+        except PathError:
+            return ""
+        block = isinstance(kind, Block)
+        return f"{path} is an instance of {kind.name}, whose code is that of all: break {kind.name}" if block else ""
 
     def remove(self, number: int | None) -> None:
         """One breakpoint, or all. Raises UsageError."""

@@ -20,7 +20,7 @@ from plcruntime.typed import Result
 from stcore.faults import Fault
 from stcore.known import Scene
 from stcore.paths import instance_at
-from stcore.program import ASKING, DEPTH, HOOK_SLOTS, STOP, STOP_DEPTH, Body, Site
+from stcore.program import ASKING, DEPTH, HOOK_SLOTS, STOP, STOP_DEPTH, Body, Program, Site
 from stcore.side import condition
 
 if TYPE_CHECKING:
@@ -58,6 +58,16 @@ class Stop:
 
 def _scene(body: Body) -> Scene:
     return Scene(body.pou, body.block, body.locals)
+
+
+def _instance(program: Program, body: Body, this: int) -> str:
+    """The path of the instance whose code runs; of a function its name."""
+    if body.block is None:
+        return body.pou
+    if body.block.kind == "PROGRAM":
+        found = (v.path for v in program.programs() if v.type is body.block and v.address == body.address)
+        return next(found, body.pou)
+    return instance_at(program, body.block, this) or body.pou
 
 
 @dataclass(slots=True)
@@ -307,8 +317,7 @@ class Debugger:
         depth = struct.unpack_from("<i", memory, DEPTH)[0]
         where = program.bodies[body]
         stepping = struct.unpack_from("<i", memory, STOP)[0] == 2
-        block = where.block if where.block is not None and where.block.kind != "PROGRAM" else None
-        path = block and instance_at(program, block, this) or where.pou
+        path = _instance(program, where, this)
         stop = Stop(program.sites[site], where, this, frame, depth, path)
         point = next((p for p in self.breakpoints.at(site) if self._holds(p, stop)), None)
         if point is not None:
@@ -339,10 +348,8 @@ class Debugger:
     def validate(self, point: Breakpoint) -> None:
         """Compile the condition of a breakpoint. Raises CompileError, PathError, SideError for a wrong one."""
         program = self.breakpoints.program
-        body = next((b for b in program.bodies if b.pou == point.pou), None)
-        if body is not None:
-            names = self._plc.typed.names(program)
-            condition(names, point.condition, _scene(body))
+        body = program.bodies[program.probed[point.site]]
+        condition(self._plc.typed.names(program), point.condition, _scene(body))
 
     def _flag(self, point: Breakpoint, body: Body, careful: bool) -> int:
         """What the module finds at a breakpoint: 1, or where it can ask the condition by itself."""

@@ -34,6 +34,8 @@ class Variables:
     def _pieces(self, place: Place, value) -> list[tuple[int, bytes]]:
         if place.constant:
             raise ValueError(f"{place.name} is a constant")
+        if place.read_only:
+            raise ValueError(f"VAR_ACCESS has {place.name} READ_ONLY; its own path may be written")
         return values.encode(self._machine.memory, place, value)
 
     def variables(self) -> dict[str, object]:

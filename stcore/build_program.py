@@ -162,7 +162,7 @@ def _emit(
     )  # fmt: skip
     for area, name in (("I", "inputs"), ("Q", "outputs"), ("M", "markers")):
         setattr(program, name, (emitter.areas[area], project.areas[area]))
-    program.constants_at = emitter.constants_at
+    program.constants_at, program.taken = emitter.constants_at, emitter.addressed
     program.types = dict(project.named_types)
     program.routines = routines(emitter)
     if probes:

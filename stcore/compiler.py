@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import pickle
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from stcore import cache
 from stcore.diagnostics import CompileError, Diagnostic, Reporter
@@ -25,21 +27,25 @@ def compile(  # noqa: A001 - the verb that users know
     tasks: which programs run; by default those of a CONFIGURATION, else PLC_PRG, else MAIN, else the only program.
     libraries: folders of ST besides the standard library. strict: mends of printed listings are errors.
     probes: the same program, able to stop in front of every statement (slower).
+    The Program is not to be changed: who compiles the same again may be given the same one.
     Raises CompileError with all diagnostics.
     """
     sources = _sources(files)
     key = _build_key(sources, tasks, libraries, strict, probes)
-    kept = cache.load("build", key)
-    if kept is not None:
-        program = _unpack(kept, key)
-        if program is not None:
-            return program
-    from stcore.build_program import build  # the compiler proper is not loaded for a build that is kept
+    build = _recent.pop(key, None)
+    if build is None or not build.holds():
+        build = _Build.load(key)
+    if build is None:
+        from stcore.build_program import build as make  # the compiler proper is not loaded for a build that is kept
 
-    program, used = build(sources, tasks, [LIBRARY, *map(Path, libraries)], strict, probes)
-    program.digest = _digest(sources, used)
-    cache.store("build", key, _pack(program, used))
-    return program
+        program, used = make(sources, tasks, [LIBRARY, *map(Path, libraries)], strict, probes)
+        program.digest = _digest(sources, used)
+        build = _Build({path: _stamp(path) for path in used}, program)
+        build.store(key)
+    _recent[key] = build
+    if len(_recent) > RECENT:
+        del _recent[next(iter(_recent))]
+    return build.program
 
 
 def diagnose(files: Files, *, libraries: Sequence[Path] = (), strict: bool = False) -> list[Diagnostic]:
@@ -51,9 +57,15 @@ def diagnose(files: Files, *, libraries: Sequence[Path] = (), strict: bool = Fal
 
 def compile_condition(program: Program, text: str) -> bytes:
     """An ST expression of type BOOL over the program's variables, for Machine.set_until. Raises CompileError."""
-    from stcore.side import compile_condition as make
+    key = program.digest, program.wasm, text  # the same texts may make another module, for other tasks
+    made = _conditions.get(key) if program.digest else None
+    if made is None:
+        from stcore.side import compile_condition as make
 
-    return make(program, text)
+        made = _conditions[key] = make(program, text)
+        if len(_conditions) > CONDITIONS:
+            del _conditions[next(iter(_conditions))]
+    return made
 
 
 def _sources(files: Files) -> list[Source]:
@@ -107,23 +119,38 @@ def _digest(sources: list[Source], used: list[str]) -> str:
 
 def _stamp(path: str) -> tuple[int, int] | None:
     try:
-        info = Path(path).stat()
+        info = os.stat(path)
     except OSError:
         return None
     return info.st_mtime_ns, info.st_size
 
 
-def _pack(program: Program, used: list[str]) -> bytes:
-    """A build with the stamps of the files and folders that it was made of besides the sources named."""
-    stamps = {path: _stamp(path) for path in used}
-    return pickle.dumps((stamps, pickle.dumps(program, protocol=5)), protocol=5)
+class _Build(NamedTuple):
+    """A program with the stamps of the files and folders that it was made of besides the sources named."""
 
+    stamps: dict[str, tuple[int, int] | None]
+    program: Program
 
-def _unpack(data: bytes, key: str) -> Program | None:
-    try:
-        stamps, inner = pickle.loads(data)
-        if any(_stamp(path) != stamp for path, stamp in stamps.items()):
+    def holds(self) -> bool:
+        return all(_stamp(path) == stamp for path, stamp in self.stamps.items())
+
+    def store(self, key: str) -> None:
+        cache.store("build", key, pickle.dumps((self.stamps, pickle.dumps(self.program, protocol=5)), protocol=5))
+
+    @classmethod
+    def load(cls, key: str) -> _Build | None:
+        """From the cache; None where it is not, or does not hold any more."""
+        data = cache.load("build", key)
+        if data is None:
             return None
-        return pickle.loads(inner)
-    except (pickle.UnpicklingError, EOFError, AttributeError, ImportError, IndexError, ValueError, TypeError):
-        return None  # written by another version, or damaged: build again
+        try:
+            stamps, inner = pickle.loads(data)
+            return cls(stamps, pickle.loads(inner)) if cls(stamps, None).holds() else None
+        except (pickle.UnpicklingError, EOFError, AttributeError, ImportError, IndexError, ValueError, TypeError):
+            return None  # written by another version, or damaged: build again
+
+
+# A suite of tests loads the same programs again and again, and waits for the same things: so many does a process keep.
+RECENT, CONDITIONS = 8, 64
+_recent: dict[str, _Build] = {}  # key of the build -> it
+_conditions: dict[tuple[str, bytes, str], bytes] = {}  # digest and module of the program, condition -> its module

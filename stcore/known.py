@@ -14,13 +14,19 @@ from stcore import types as t
 from stcore.check import CheckedProject
 from stcore.declare import Pending
 from stcore.diagnostics import Reporter
-from stcore.paths import PathError
+from stcore.library import Index, index
+from stcore.paths import PathError, resolve
 from stcore.program import Parameter, Program, Routine, Variable
 from stcore.scope import EnumValue, GlobalList, Pou, TypeName, Var, key
 from stcore.source import Source
 from stcore.values import FORMATS, decode
 
 NOWHERE = Source("")
+
+
+def _placed(name: str, kind: t.Type, storage: str, address: int, **more) -> Var:
+    """A variable of the program. It may have other names here, and its pointers are not known: no local may hold it."""
+    return Var(name, kind, storage, address, addressed=True, **more)
 
 
 @dataclass(slots=True)
@@ -52,6 +58,7 @@ class Names:
         self._types()
         self._routines()
         self._variables()
+        self._accesses()
 
     def _types(self) -> None:
         for name, kind in self.program.types.items():
@@ -78,7 +85,7 @@ class Names:
         pou = Pou(kind.kind, kind.name, _tree(kind.kind, kind.name), NOWHERE, type=kind, checked=True)
         for name, field in kind.members.items():
             static = field.section == "VAR_STAT"
-            var = Var(field.name, field.type, "global" if static else "this", field.offset, section=field.section)
+            var = _placed(field.name, field.type, "global" if static else "this", field.offset, section=field.section)
             var.indirect = field.by_reference
             var.constant = field.constant
             if field.constant:
@@ -189,7 +196,7 @@ class Names:
         return found
 
     def _global(self, variable: Variable) -> Var:
-        var = Var(variable.name, variable.type, "global", variable.address, bit=variable.bit)
+        var = _placed(variable.name, variable.type, "global", variable.address, bit=variable.bit)
         var.library = variable.library
         if variable.constant:
             var.constant, var.read_only = True, "it is a CONSTANT"
@@ -213,16 +220,25 @@ class Names:
                 continue
             static = field.section == "VAR_STAT"
             address = field.offset if static else variable.address + field.offset
-            var = Var(field.name, field.type, "global", address, indirect=field.by_reference)
+            var = _placed(field.name, field.type, "global", address, indirect=field.by_reference)
             original = pou.variables[name]
             var.constant, var.read_only, var.const = original.constant, original.read_only, original.const
             self.short[name][f"{variable.path}.{field.name}"] = var
 
-    @functools.cached_property
-    def index(self) -> dict[str, str]:
-        """Which file of the library defines a name: looked up when a name is nowhere else."""
-        from stcore.library import index
+    def _accesses(self) -> None:
+        """The names that VAR_ACCESS gives to variables."""
+        for name, (path, read_only) in self.program.accesses.items():
+            place = resolve(self.program, path)
+            if place.hops:  # behind a pointer, which may change: reached by its path only
+                continue
+            var = _placed(name, place.type, "global", place.address, bit=place.bit)
+            if read_only or place.constant:
+                var.read_only = "VAR_ACCESS has it READ_ONLY" if read_only else "it is a CONSTANT"
+            self.exact.setdefault(name, var)
 
+    @functools.cached_property
+    def index(self) -> Index:
+        """Which file of the library defines a name: looked up when a name is nowhere else."""
         return index(map(Path, self.program.libraries), recursive=True)
 
 

@@ -51,13 +51,27 @@ def names_of(text: str) -> set[str]:
     return {n for n in names if n}
 
 
-def index(folders: Iterable[Path], *, recursive: bool) -> dict[str, str]:
-    """Upper-case name -> path of the file that defines it, in the first of the folders that does; the name of a file
-    counts as defined in it."""
-    found: dict[str, str] = {}
-    for folder in folders:
-        files = tuple(sorted(_files(str(folder), recursive)))
-        for name, path in _defined(f"{folder} {recursive}", files).items():
+class Index(dict[str, str]):
+    """Upper-case name -> path of the file that defines it. Not to be changed: who asks again gets the same one."""
+
+    @functools.cached_property
+    def names(self) -> list[str]:
+        """Every name, as its own file spells it."""
+        stems = {name: os.path.basename(path).removesuffix(".st") for name, path in self.items()}
+        names = (name for name in self if name[-1] != "#" and "<" not in name)
+        return [stems[name] if stems[name].upper() == name else name for name in names]
+
+
+def index(folders: Iterable[Path], *, recursive: bool) -> Index:
+    """What the files of folders define, the first of the folders first; the name of a file counts as defined in it."""
+    return _index(tuple((f"{folder} {recursive}", tuple(sorted(_files(str(folder), recursive)))) for folder in folders))
+
+
+@functools.lru_cache(maxsize=16)
+def _index(folders: tuple[tuple[str, tuple[tuple[str, int, int], ...]], ...]) -> Index:
+    found = Index()
+    for folder, files in folders:
+        for name, path in _defined(folder, files).items():
             found.setdefault(name, path)
     return found
 
@@ -76,7 +90,6 @@ def _files(folder: str, recursive: bool) -> Iterator[tuple[str, int, int]]:
             yield from _files(entry.path, True)
 
 
-@functools.lru_cache(maxsize=16)
 def _defined(folder: str, files: tuple[tuple[str, int, int], ...]) -> dict[str, str]:
     """What the files of a folder define. The cache has it as it was at the last look; only what has changed since is
     read again."""

@@ -74,6 +74,7 @@ def load_ahead(wasm: bytes) -> None:
     _ahead.start()
 
 
+@functools.lru_cache(maxsize=8)
 def load_module(wasm: bytes) -> wasmtime.Module:
     """The module's machine code: from the cache, or compiled and kept there."""
     global _ahead

@@ -24,6 +24,7 @@ class PathError(KeyError):
 @dataclass(slots=True)
 class Place:
     """Where a variable lives. name: its full path; bit: the bit of the byte at its address, None for whole bytes.
+    read_only: by the VAR_ACCESS whose name was used.
 
     hops: for each pointer on the way, what to add to the address that it holds: `address` is then the first pointer's.
     """
@@ -34,6 +35,7 @@ class Place:
     bit: int | None = None
     hops: tuple[int, ...] = ()
     constant: bool = False
+    read_only: bool = False
 
     @property
     def size(self) -> int:
@@ -53,10 +55,11 @@ class Place:
         return address
 
     def _at(self, name: str, t: Type, offset: int, constant: bool = False) -> Place:
+        constant = constant or self.constant
         if self.hops:
             hops = (*self.hops[:-1], self.hops[-1] + offset)
-            return Place(name, t, self.address, None, hops, constant)
-        return Place(name, t, self.address + offset, None, (), constant)
+            return Place(name, t, self.address, None, hops, constant, self.read_only)
+        return Place(name, t, self.address + offset, None, (), constant, self.read_only)
 
     def _through(self, name: str, t: Type) -> Place:
         """What the pointer at this place points to."""
@@ -148,7 +151,7 @@ def _roots(program: Program, steps: list[Step]) -> Iterator[list[tuple[Place, li
     if not exact and first in program.accesses:
         path, read_only = program.accesses[first]
         place = resolve(program, path)
-        exact.append((replace(place, constant=place.constant or read_only), steps[1:]))
+        exact.append((replace(place, read_only=read_only), steps[1:]))
     if not exact and first in program.aliases:
         place = resolve(program, program.aliases[first])
         exact.append((place, steps[1:]))

@@ -214,6 +214,7 @@ class Program:
     bodies: list[Body] = field(default_factory=list)  # of a probed build
     probed: dict[int, int] = field(default_factory=dict)  # statements, where a probed build can stop: site -> body
     branches: list[Branch] = field(default_factory=list)  # of a probed build
+    taken: set[tuple[int, int]] = field(default_factory=set)  # where variables begin and end whose address is taken
     constants_at: int = 0  # where strings and templates begin, behind all variables; 0: at image_end
     digest: str = ""  # of all texts that it was made of; the same in a probed build
     probes: int = 0  # address of the counts of sites, then of branches (4 bytes each), then the flags; 0: not probed

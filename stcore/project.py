@@ -209,7 +209,7 @@ class Project:
 
     def known_names(self, library: bool = False) -> list[str]:
         """Every global name there is, for 'did you mean'."""
-        names = [_spelt(n, path) for n, path in self.library_index.items() if n[-1] != "#" and "<" not in n]
+        names = list(self.library_index.names)
         if not library:
             for n, p in self.user.items():
                 names.append(getattr(p.tree, "name", None) or n)
@@ -276,9 +276,3 @@ class Project:
         if pou.address is None:
             pou.address = self.allocate(pou.type.size, 8)
         return pou.address
-
-
-def _spelt(name: str, path: str) -> str:
-    """An upper-case name as its own file spells it."""
-    stem = Path(path).stem
-    return stem if stem.upper() == name else name

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 MAX_REPAIRS = 200  # of one file; after that it is something else than ST
 _SETTLED = 3  # tokens read since the last error, before the next one is its own
 
-_LISTS = ("statement", "declaration", "unit", "section", "type_declaration", "config_item", "case")
+_LISTS = ("statement", "declaration", "qualifier", "unit", "section", "type_declaration", "config_item", "case")
 
 
 class Anchors(NamedTuple):

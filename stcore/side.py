@@ -197,6 +197,7 @@ class _Emitter(ModuleEmitter):
         self.inlining = None  # what the program's module holds is called there
         program = project.names.program
         self.areas = {"I": program.inputs[0], "Q": program.outputs[0], "M": program.markers[0]}
+        self.addressed = set(program.taken)
         self.imported: dict[str, str] = {}
         self.dispatch = _Choosers(self)
 

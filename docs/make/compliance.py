@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import re
 import tomllib
 from pathlib import Path
@@ -122,17 +123,23 @@ def _types() -> list[str]:
 
 def _tests(block: Block) -> list[str]:
     """The test files that use the block, by its type or by its name on a shared bench."""
-    return sorted(path.name for path in TESTS.rglob("test_*.py") if _uses(path, block.name))
+    return sorted(path.name for path in _texts() if _uses(path, block.name))
+
+
+@functools.cache
+def _texts() -> dict[Path, str]:
+    return {path: path.read_text(encoding="utf-8") for path in TESTS.rglob("test_*.py")}
 
 
 def _uses(path: Path, name: str) -> bool:
-    text = path.read_text(encoding="utf-8")
+    text = _texts()[path]
     if re.search(rf"\b{name}\b", text):
         return True
     aliases = [alias for alias, block in _bench(path.parent / "conftest.py").items() if block == name]
     return "bench" in text and any(re.search(rf"[\"']{alias}[.\"']", text) for alias in aliases)
 
 
+@functools.cache
 def _bench(conftest: Path) -> dict[str, str]:
     """Instance -> block of the program that the tests of a folder share."""
     if not conftest.exists():

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 MOST = 1024  # variables of a function, global variables
 MOST_COMMANDS = 4096
 MOST_FUNCTIONS = 32
+MOST_NAMES = 2048  # functions and variables together: GtMotion.symbol
+LONGEST_NAME = 31  # of GtMotionSymbol and TVarInfo
 ONE = 1 << 16  # 1.0 in fixed point
 CONSTANT, GLOBAL, LOCAL = 0, 1, 2  # mode of an operand
 MOVE, TO_DOUBLE, TO_INT, NEG, NOT, BIT_NOT = 1, 2, 3, 4, 5, 6

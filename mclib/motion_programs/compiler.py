@@ -14,8 +14,10 @@ from mclib.motion_programs.code import (
     IF_GOTO,
     IF_RETURN,
     LOCAL,
+    LONGEST_NAME,
     MOST,
     MOST_COMMANDS,
+    MOST_NAMES,
     RETURN,
     Function,
     MotionError,
@@ -39,6 +41,7 @@ class _Compiler(Expressions):
         super().__init__(text)
         self.labels: dict[str, int] = {}
         self.jumps: list[tuple[Operand, str, int]] = []
+        self.names = 0
 
     def unit(self) -> Unit:
         while self.token.kind != "end":
@@ -69,6 +72,7 @@ class _Compiler(Expressions):
             raise MotionError(line, f"{name} is declared twice")
         if name.upper().startswith("GT_"):
             raise MotionError(line, f"{name}: names of commands can't be declared")
+        self._count(name, line)
         self.function = Function(name, kind, len(self.result.commands))
         self.result.functions[name] = self.function
         self.labels, self.jumps = {}, []
@@ -138,6 +142,15 @@ class _Compiler(Expressions):
         owner.size += max(length, 1)
         if owner.size > MOST:
             raise MotionError(name.line, f"more than {MOST} {'local' if function else 'global'} variables")
+        self._count(name.text, name.line)
+
+    def _count(self, name: str, line: int) -> None:
+        """One more name for the symbol file, where GT_GetFunId and GT_GetVarId look for it."""
+        self.names += 1
+        if len(name) > LONGEST_NAME:
+            raise MotionError(line, f"{name}: a name has at most {LONGEST_NAME} characters")
+        if self.names > MOST_NAMES:
+            raise MotionError(line, f"more than {MOST_NAMES} functions and variables together")
 
     # ------------------------------------------------------------------------------------------ statements
 

@@ -7,10 +7,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from mclib.motion_programs import files
-from mclib.motion_programs.code import MOST_COMMANDS, MOST_FUNCTIONS, MotionError
+from mclib.motion_programs.code import LONGEST_NAME, MOST_COMMANDS, MOST_FUNCTIONS, MOST_NAMES, MotionError
 from mclib.motion_programs.compiler import compile_motion
 
-MOST_SYMBOLS = 2048  # GtMotion.symbol
 LONGEST = 125  # of a file name
 ROOM = 255  # of the strings that tell of an error
 MISSING, DAMAGED, TOO_MANY, UNREADABLE = -1, -2, -3, -1
@@ -50,7 +49,7 @@ def functions(plc, memory: Callable[[], memoryview]) -> dict[str, Callable]:
             return TOO_MANY
         symbols = [_symbol(f.name, -2, n, f.type, f.entry) for n, f in enumerate(entries)]
         symbols += [_symbol(v.name, owner, v.index, v.type, 0) for owner, v in variables]
-        if len(symbols) > MOST_SYMBOLS or len(code) > MOST_COMMANDS * files.COMMAND_SIZE:
+        if len(symbols) > MOST_NAMES or len(code) > MOST_COMMANDS * files.COMMAND_SIZE:
             return DAMAGED
         data = b"".join(symbols)
         memory()[code_at : code_at + len(code)] = code
@@ -82,7 +81,7 @@ def _source(file: Path) -> str:
 
 
 def _symbol(name: str, owner: int, number: int, kind: str, entry: int) -> bytes:
-    return _SYMBOL.pack(name.encode()[:31], owner, number, int(kind == "double"), entry)
+    return _SYMBOL.pack(name.encode()[:LONGEST_NAME], owner, number, int(kind == "double"), entry)
 
 
 def _text(memory: memoryview, at: int) -> str:

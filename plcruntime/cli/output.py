@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import sys
 import threading
 import time
@@ -12,6 +13,7 @@ from contextlib import contextmanager
 
 from stcore.diagnostics import Diagnostic, text
 
+WORTH_TELLING = 7 * 86400  # s that a run may still take; longer ones are meant to be stopped
 _INFINITE = "\x00infinite\x00"
 
 
@@ -47,9 +49,14 @@ def console(stream):
     return made
 
 
+def coloured(stream) -> bool:
+    """Whether text for this stream may be in colours (no-color.org)."""
+    return stream.isatty() and not os.environ.get("NO_COLOR")
+
+
 def print_diagnostics(diagnostics: Sequence[Diagnostic]) -> None:
     """On the standard error, with source lines; the severity is coloured on a terminal."""
-    colours = sys.stderr.isatty()
+    colours = coloured(sys.stderr)
     for d in diagnostics:
         shown = text(d)
         if colours:
@@ -120,9 +127,12 @@ class Progress:
         self._shown = now
         part, spent = done / goal, now - self._began
         left = spent / part - spent if part else 0
-        bar = "=" * int(24 * part)
-        text = f"[{bar:<24}] {100 * part:3.0f} %  {done * self.interval_s:.3f} s of virtual time, {left:.0f} s to go"
-        print(f"\r{text}\x1b[K", end="", file=sys.stderr, flush=True)
+        bar = "=" * int(20 * part)
+        text = f"{done * self.interval_s:.3f} s of virtual time"
+        if left < WORTH_TELLING:
+            text = f"[{bar:<20}] {100 * part:3.0f} %  {text}, {left:.0f} s to go"
+        room = shutil.get_terminal_size().columns - 1  # a line that goes on in the next one can't be drawn again
+        print(f"\r{text[:room]}\x1b[K", end="", file=sys.stderr, flush=True)
 
     def end(self) -> None:
         """Take the line away."""

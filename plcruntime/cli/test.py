@@ -30,7 +30,12 @@ def execute(arguments: argparse.Namespace) -> int:
         return _once(arguments, chosen)
     stamps: dict[Path, int] = {}
     while True:
-        now = _stamps(arguments.paths)
+        try:
+            now = _stamps(arguments.paths)
+        except (UsageError, OSError):
+            if not stamps:
+                raise
+            now = stamps  # an editor is about to write the file again
         if now != stamps:
             stamps = now
             _once(arguments, chosen)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from plcruntime.axes import ROOT
 from plcruntime.plc import PLC
+from plcruntime.repl import layout
 from stcore.paths import instance_at
 from stcore.values import decode
 
 _HEADS = ("axis", "name", "state", "position", "velocity", "actual", "unit", "status", "signals")
-NUMBERS = ("position", "velocity", "actual")
 _SIGNALS = {
     "drive.enabled": "on", "moving": "moving", "drive.alarm": "alarm", "drive.offline": "offline",
     "switches.positive": "+limit", "switches.negative": "-limit", "switches.home": "home",
@@ -16,11 +16,20 @@ _SIGNALS = {
 _USED = ("used", "moving", "drive.enabled", "prfPos")
 
 
-def heads_and_rows(plc: PLC, without: tuple[str, ...] = ()) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """The columns that have something to show, and their cells; no rows when no axis is in use."""
+def lines(plc: PLC, room: int | None) -> list[str]:
+    """The table; [] when no axis is in use. room: characters of a line of the terminal; a narrow one has no status."""
     rows = [_row(plc, number) for number in _in_use(plc)]
-    shown = [i for i, head in enumerate(_HEADS) if head not in without and any(row[i] for row in rows)]
-    return tuple(_HEADS[i] for i in shown), [tuple(row[i] for i in shown) for row in rows]
+    if not rows:
+        return []
+    shown = [i for i in range(len(_HEADS)) if any(row[i] for row in rows)]
+    made = _table(rows, shown, room)
+    if room is not None and max(map(len, made)) > room:
+        made = _table(rows, [i for i in shown if _HEADS[i] != "status"], room)
+    return made
+
+
+def _table(rows: list[tuple[str, ...]], columns: list[int], room: int | None) -> list[str]:
+    return layout.table(tuple(_HEADS[i] for i in columns), [tuple(r[i] for i in columns) for r in rows], room)
 
 
 def _in_use(plc: PLC) -> list[int]:
@@ -45,7 +54,7 @@ def _row(plc: PLC, number: int) -> tuple[str, ...]:
         values, unit = [plc[f"{ref}.{n}"] for n in ("fSetPosition", "fSetVelocity", "fActPosition")], "u, s"
     else:
         values, unit = [axis.prfPos, axis.prfVel, axis.encPos], "pulse, ms"
-    position, velocity, actual = (f"{value:.4f}" for value in values)
+    position, velocity, actual = (f"{value:11.4f}" for value in values)  # as wide as most: columns that do not jump
     signals = [word for member, word in _SIGNALS.items() if plc[f"{path}.{member}"]]
     name = _name(plc, number, axis.ref)
     return str(number), name, state, position, velocity, actual, unit, f"{axis.status:08X}", " ".join(signals)

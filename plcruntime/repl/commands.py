@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from plcruntime.errors import UsageError
+from plcruntime.repl import layout
 from plcruntime.repl.looking import Looking
 from plcruntime.repl.moving import Moving
 
@@ -117,10 +118,11 @@ class Commands(Moving, Looking):
             also = f"   (also {', '.join(short)})" if short else ""
             say(f"{COMMANDS[name].usage}{also}\n  {COMMANDS[name].text}")
             return
-        width = max(len(c.usage) for c in COMMANDS.values())
+        room, usages = layout.width(), max(len(c.usage) for c in COMMANDS.values())
         for group in dict.fromkeys(c.group for c in COMMANDS.values()):
             say(f"{group}:")
             for command in COMMANDS.values():
                 if command.group == group:
-                    say(f"  {command.usage.ljust(width)}  {command.text}")
+                    line = f"  {command.usage.ljust(usages)}  {command.text}"
+                    self.session.show_lines(layout.broken(line, room, " " * (usages + 4)))
         say("Any ST may be typed as it is: n + 1, timer(IN := TRUE), n := 5; s, n, b, p, c, l ... stand for step, ...")

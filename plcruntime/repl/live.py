@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from plcruntime.plc import PLC
-from plcruntime.repl import axis_table
+from plcruntime.repl import axis_table, layout
 
 FRAME = 0.1  # s of wall clock between two pictures
 _ANSWER = re.compile(rb"\x1b\[\d+;\d+R")  # of a busy terminal, late, to the prompt's question where its cursor is
@@ -31,28 +31,18 @@ class LiveAxes:
         """Raises KeyPressed."""
         now = time.monotonic()
         if now >= self._next:
-            self._draw(table(self._plc))
+            self._draw(picture(self._plc, layout.width()))
             self._next = now + FRAME
         if self._pressed():
             raise KeyPressed
 
 
-def table(plc: PLC, hint: str = "; any key stops"):
-    """The axes as they stand, as a rich table."""
-    from rich import box
-    from rich.table import Table
+def picture(plc: PLC, room: int | None, hint: str = "; any key stops"):
+    """The axes as they stand, for rich."""
+    from rich.text import Text
 
-    made = Table(box=box.SIMPLE_HEAD, caption=f"{plc.time:.3f} s{hint}", pad_edge=False, padding=0)
-    heads, rows = axis_table.heads_and_rows(plc, without=("status",))
-    for head in heads:  # 80 columns: names, units and signals fold; a number never loses a digit
-        number = head in axis_table.NUMBERS
-        made.add_column(
-            head, justify="right" if number else "left", min_width=11 if number else 4, overflow="fold",
-            no_wrap=number or head == "state",
-        )  # fmt: skip
-    for row in rows:
-        made.add_row(*row)
-    return made
+    lines = [*axis_table.lines(plc, room), "", f"{layout.INDENT}{plc.time:.3f} s{hint}"]
+    return Text("\n".join(lines), no_wrap=True)
 
 
 @contextmanager
@@ -60,11 +50,11 @@ def live_axes(plc: PLC) -> Iterator[LiveAxes]:
     """The display for a run on this terminal. The last picture stays on the screen."""
     from rich.live import Live
 
-    with _keys() as pressed, Live(table(plc), auto_refresh=False) as screen:
+    with _keys() as pressed, Live(picture(plc, layout.width()), auto_refresh=False) as screen:
         try:
-            yield LiveAxes(plc, pressed, lambda picture: screen.update(picture, refresh=True))
+            yield LiveAxes(plc, pressed, lambda drawn: screen.update(drawn, refresh=True))
         finally:
-            screen.update(table(plc, ""), refresh=True)
+            screen.update(picture(plc, layout.width(), ""), refresh=True)
 
 
 if os.name == "nt":

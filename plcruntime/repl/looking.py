@@ -8,7 +8,7 @@ from pathlib import Path
 
 from plcruntime.debugger import Outcome
 from plcruntime.errors import UsageError
-from plcruntime.repl import axis_table, chart
+from plcruntime.repl import axis_table, chart, layout
 from plcruntime.repl.moving import ENDLESS
 from stcore import paths
 from stcore.paths import PathError
@@ -77,13 +77,13 @@ class Looking:
     def do_set(self, rest: str) -> None:
         name, value = self._assignment(rest, "set")
         if self.debugger.stop is None:
-            place = self.plc.place(name)
+            self.plc.place(name)
             try:
                 parsed = self.plc.parse_value(name, value)
             except (TypeError, ValueError, PathError):
                 pass  # not a literal of that type: an expression
             else:
-                self.plc[place.name] = parsed
+                self.plc[name] = parsed
                 return
         self.debugger.evaluate(f"{name} := {value};")
 
@@ -101,7 +101,7 @@ class Looking:
                 value = self.debugger.evaluate(text).value
             except Exception:
                 raise error from None
-        self.plc.force(place.name, value)
+        self.plc.force(name, value)
         self.debugger.touch()
         self.session.say(f"forced: {place.name} = {self.plc.show(place.name)}")
 
@@ -126,10 +126,9 @@ class Looking:
         if rest:
             self._run_and_show_axes(rest)
             return
-        heads, rows = axis_table.heads_and_rows(self.plc)
-        if rows:
-            self.session.table(heads, rows)
-        else:
+        lines = axis_table.lines(self.plc, layout.width())
+        self.session.show_lines(lines)
+        if not lines:
             self.session.say("the program uses no axis" if not len(self.plc.axes) else "no axis is in use yet")
 
     def _run_and_show_axes(self, rest: str) -> None:
@@ -184,7 +183,7 @@ class Looking:
         marked = {p.line for p in self.debugger.breakpoints.points.values() if self._file_of(p) == file}
         for number in range(max(1, line - AROUND), min(len(lines), line + AROUND) + 1):
             mark = ">" if number == current else "*" if number in marked else " "
-            self.session.say(self.session.source_line(file, number, mark))
+            self.session.show_lines([self.session.source_line(file, number, mark)])
 
     def _file_of(self, point) -> str:
         return self.debugger.breakpoints.program.sites[point.site].file
@@ -210,8 +209,7 @@ class Looking:
         trace = self._recorded(names)
         if file is None:
             for name in trace.names:
-                for line in chart.draw(trace.time, trace[name], name):
-                    self.session.say(line)
+                self.session.show_lines(chart.draw(trace.time, trace[name], name))
             return
         if Path(file).suffix.lower() not in (".png", ".svg", ".html"):
             raise UsageError(f"{file}: the name must end with .png, .svg or .html")

@@ -137,7 +137,7 @@ class Moving:
             self._check_condition(point)
         place = self.debugger.breakpoints.program.sites[point.site]
         self.session.say(f"breakpoint {point.number}: {point.pou}:{point.line}")
-        self.session.say(self.session.source_line(place.file, place.line))
+        self.session.show_lines([self.session.source_line(place.file, place.line)])
 
     def _prepare(self) -> None:
         """Breakpoints need the probed build."""

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from plcruntime.debugger import Debugger, Outcome, Stop
 from plcruntime.plc import PLC
+from plcruntime.repl import layout
 from plcruntime.trace import Trace
 from plcruntime.warnings import RunWarning
 from stcore import paths, values
+from stcore.diagnostics import CompileError
 from stcore.diagnostics import text as shown
 from stcore.faults import Fault
 from stcore.paths import PathError, Place
 from stcore.program import NULL_PAGE
+from stcore.side import summary
 from stcore.source import read
 
 LONG = 100  # characters of a value that are shown
@@ -34,15 +38,17 @@ class Session:
     # -------------------------------------------------------------------------------------------- output
 
     def say(self, text: str = "") -> None:
-        print(text, flush=True)
+        """Something to read: broken between words where the terminal is narrower."""
+        for line in layout.broken(text, layout.width()):
+            print(line, flush=True)
+
+    def show_lines(self, lines: Iterable[str]) -> None:
+        """Lines whose form matters: source, pictures, tables."""
+        for line in lines:
+            print(line, flush=True)
 
     def table(self, heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> None:
-        """Aligned columns; numbers to the right. rich would take longer to load than an answer may."""
-        widths = [max(len(str(r[i])) for r in (heads, *rows)) for i in range(len(heads))]
-        numeric = [all(_is_number(r[i]) for r in rows) for i in range(len(heads))]
-        for row in (heads, *rows):
-            cells = [c.rjust(w) if n else c.ljust(w) for c, w, n in zip(row, widths, numeric, strict=True)]
-            self.say("  " + "  ".join(cells).rstrip())
+        self.show_lines(layout.table(heads, rows, layout.width()))
 
     def greet(self) -> None:
         names = ", ".join(v.path for v in self.plc.program.programs())
@@ -74,7 +80,7 @@ class Session:
         self.say(f"{what}{place}, in scan {self.plc.scans}, {self.time()}")
         if stop.note:
             self.say(f"  {stop.note}")
-        self.say(self.source_line(stop.site.file, stop.site.line, ">"))
+        self.show_lines([self.source_line(stop.site.file, stop.site.line, ">")])
         self.show_watched()
 
     def stopped(self, word: str = "") -> None:
@@ -115,6 +121,10 @@ class Session:
         """The value of a path or an expression, or why there is none."""
         try:
             return self.short(self.evaluate_text(text))
+        except CompileError as error:
+            return f"<{summary(error.diagnostics)}>"
+        except Fault as fault:
+            return f"<{fault.message}>"
         except Exception as error:  # a watch that fails must not keep the others from being shown
             return f"<{str(error).splitlines()[0]}>"
 
@@ -189,12 +199,3 @@ class Session:
 def _own_names(stop: Stop) -> set[str]:
     members = set(stop.body.block.members) if stop.body.block is not None else set()
     return members | {name.upper() for name, *_ in stop.body.locals}
-
-
-def _is_number(text: str) -> bool:
-    """Also with a unit behind it."""
-    try:
-        float(text.split(" ")[0])
-    except ValueError:
-        return False
-    return True

@@ -320,7 +320,9 @@ class Expressions(Names):
 
     def assignment(self, node: s.Assign) -> s.Node:
         """a := b := c: the inner assignment as a value."""
-        self.statement(node)
+        if self.statement(node) is not None:  # a property: what its SET makes of the value is not known here
+            self.error("E0319", node.target, name=self.text(node.target))
+            return self.wrong(node)
         if node.op == "=" or node.target.type is None:
             return self.wrong(node)
         node.type = node.target.type

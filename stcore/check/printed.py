@@ -6,6 +6,7 @@ that is not declared is an error: a typing mistake must not become a new variabl
 
 from __future__ import annotations
 
+import functools
 import re
 from fnmatch import fnmatchcase
 from itertools import zip_longest
@@ -25,13 +26,19 @@ def look(name: str) -> str:
     return name.lower().translate(_ALIKE)
 
 
+@functools.lru_cache(maxsize=16)
+def _exported(text: str) -> bool:
+    """Has this text the mark of an export? Asked again for every POU of it."""
+    return _EXPORT_MARK in text
+
+
 class Printed(Context):
     """What to make of a name that is not known."""
 
     @property
     def printed(self) -> bool:
         """True if this text was printed, not typed."""
-        if _EXPORT_MARK in self.source.text:
+        if _exported(self.source.text):
             return True
         found = self.project.reporter.diagnostics
         return any(d.code.startswith("W01") and d.file == self.source.path for d in found)

@@ -153,18 +153,26 @@ def _room(e, node: s.Call, call: BuiltinCall) -> str:
 
 
 def _room_at(e, node: s.Call, call: BuiltinCall) -> str:
-    """The address behind the variable that an address lies in."""
+    """The address behind the variable that an address lies in: one of this POU's own whose place is not fixed, or what
+    the module knows."""
     e.module.rooms = True
-    return f"(call $room_at {e.narrow(call.args[0]) if call.args else '(i32.const 0)'})"
+    if not call.args:
+        return "(call $room_at (i32.const 0))"
+    at = e.temp("i32")
+    text = f"(call $room_at (local.get {at}))"
+    for var, (base, low) in e.own_taken():
+        start = address(base, low)
+        inside = f"(i32.lt_u (i32.sub (local.get {at}) {start}) (i32.const {var.type.size}))"
+        text = f"(select {address(base, low + var.type.size)} {text} {inside})"
+    return f"(block (result i32) (local.set {at} {e.narrow(call.args[0])}) {text})"
 
 
 def _memmove(e, node: s.Call, call: BuiltinCall) -> str:
     to, source, count = (e.value(a) for a in call.args)
     temp = e.temp("i32")
     mark = e.marker(node, "F0104")
-    return (
-        f"(block (result i32) {mark} (memory.copy (local.tee {temp} {to}) {source} {count}) (local.get {temp}))"
-    )
+    copied = f"(local.tee {temp} {to}) {source} {count} {mark} (memory.copy)"
+    return f"(block (result i32) {copied} (local.get {temp}))"
 
 
 def _memset(e, node: s.Call, call: BuiltinCall) -> str:
@@ -173,7 +181,8 @@ def _memset(e, node: s.Call, call: BuiltinCall) -> str:
         value = f"(i32.wrap_i64 {value})"
     temp = e.temp("i32")
     mark = e.marker(node, "F0104")
-    return f"(block (result i32) {mark} (memory.fill (local.tee {temp} {to}) {value} {count}) (local.get {temp}))"
+    filled = f"(local.tee {temp} {to}) {value} {count} {mark} (memory.fill)"
+    return f"(block (result i32) {filled} (local.get {temp}))"
 
 
 def _bound(e, node: s.Call, call: BuiltinCall) -> str:

@@ -111,16 +111,20 @@ class Expressions(Places):
         unsigned = isinstance(kind, t.Pointer) or kind.size >= 4 and not kind.signed
         divisor = node.right.const
         if node.op == "MOD":
-            text = f"({wasm}.rem_{'u' if unsigned else 's'} {left} {right})"
+            operation = f"{wasm}.rem_{'u' if unsigned else 's'}"
         elif unsigned:
-            text = f"({wasm}.div_u {left} {right})"
+            operation = f"{wasm}.div_u"
         elif divisor is not None and divisor != -1:
-            return f"({wasm}.div_s {left} {right})"
+            operation = f"{wasm}.div_s"
         else:
-            text = f"(call $div_{wasm} {left} {right})"
+            operation = f"call $div_{wasm}"
         if divisor is not None:
-            return text
-        return f"(block (result {wasm}) {self.marker(node.right, 'F0102')} {text})"
+            return f"({operation} {left} {right})"
+        return self._marked_division(node, wasm, operation, left, right)
+
+    def _marked_division(self, node: s.Binary, wasm: str, operation: str, left: str, right: str) -> str:
+        """The marker stands behind what the operands themselves mark."""
+        return f"(block (result {wasm}) {left} {right} {self.marker(node.right, 'F0102')} ({operation}))"
 
     def _comparison(self, node: s.Binary) -> str:
         left, right = node.left, node.right
@@ -184,7 +188,8 @@ class Expressions(Places):
             return f"({a.wasm}.{_ARITHMETIC[node.op]} {left} {amount})"
         if b.kind == "time":
             if node.op == "MOD":
-                return f"({kind.wasm}.rem_{'s' if kind.signed else 'u'} {left} {right})"
+                operation = f"{kind.wasm}.rem_{'s' if kind.signed else 'u'}"
+                return self._marked_division(node, kind.wasm, operation, left, right)
             return f"({kind.wasm}.{_ARITHMETIC[node.op]} {left} {right})"
         return self._scaled(node, kind, b, left, right)
 
@@ -201,9 +206,9 @@ class Expressions(Places):
             return values.convert(t.LREAL, t.UDINT if kind is t.TIME else t.LINT, text)
         right = values.convert(factor, t.LINT, right)
         left = self._long(kind, left)
-        text = f"(i64.mul {left} {right})" if node.op == "*" else f"(call $div_i64 {left} {right})"
+        text = f"(i64.mul {left} {right})"
         if node.op == "/":
-            text = f"(block (result i64) {self.marker(node.right, 'F0102')} {text})"
+            text = self._marked_division(node, "i64", "call $div_i64", left, right)
         return text if kind.size == 8 else f"(i32.wrap_i64 {text})"
 
     @staticmethod

@@ -64,6 +64,11 @@ class Places(Copies):
             if not base:
                 self.module.addressed.add((offset, offset + outer.type.size))
 
+    def own_taken(self) -> list[tuple[Var, tuple[str, int]]]:
+        """The variables of this instance, or of this call of a function, whose address is taken, with their places."""
+        taken = [v for v in self.pou.variables.values() if v.addressed and not v.indirect]
+        return [(v, self.var_place(v)) for v in taken if v.storage == "this" or v in self.frame_of]
+
     def this_place(self) -> tuple[str, int]:
         """The instance whose code this is."""
         return self.this

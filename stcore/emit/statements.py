@@ -340,7 +340,9 @@ class Statements(Calls):
         copies = self.keep_copies(node.body)
         self.line(f"(block {end} (br_if {end} (i32.eqz {counting.inside()}))")
         self.line(f"(loop {top}")
-        trusted = var is not None and step is not None and changes(node.body, self.pou).steady(var)
+        # in a build with probes a debugger may change it at any statement
+        unseen = self.probed or var is None or step is None
+        trusted = not unseen and changes(node.body, self.pou).steady(var)
         outer = self.rounds
         self.rounds *= max(rounds, 1)
         if self.rounds > QUICK or not trusted:

@@ -71,12 +71,12 @@ def test_an_index_reads_only_what_has_changed(folder, tmp_path_factory, monkeypa
     monkeypatch.setattr(library, "read", lambda path: taken.append(path) or read(path))
     here = {"A": str(first), "ONE": str(first), "B": str(second), "TWO": str(second)}
     assert library.index([texts], recursive=False) == here and len(taken) == 2
-    library._defined.cache_clear()
+    library._index.cache_clear()
     assert library.index([texts], recursive=False) == here and len(taken) == 2
     second.write_text("FUNCTION Three : INT END_FUNCTION")
     here["THREE"] = here.pop("TWO")
     assert library.index([texts], recursive=False) == here and taken[2:] == [str(second)]
     kept = next((folder / "index").rglob("*/*"))
     kept.write_bytes(kept.read_bytes()[:9])  # damaged
-    library._defined.cache_clear()
+    library._index.cache_clear()
     assert library.index([texts], recursive=False) == here and len(taken) == 5

@@ -87,6 +87,16 @@ def test_messages_of_declarations(text, line, message):
     assert (error.line, error.message[: len(message)]) == (line, message)
 
 
+@pytest.mark.parametrize("first", ["1 : INT;", ": a INT;", ":= : INT;", "[ : INT;", "'a' : INT;"])
+def test_a_wrong_first_declaration_takes_no_other_with_it(first):
+    text = f"PROGRAM p\nVAR\n  {first}\n  t : TON;\n  b : INT;\nEND_VAR\nb := 1;\nEND_PROGRAM\n"
+    reporter = Reporter()
+    tree = parser.parse(Source(text), reporter)
+    assert [(d.code, d.line) for d in reporter.diagnostics] == [("E0101", 3)]
+    (pou,) = tree.units
+    assert [d.name for d in pou.sections[0].decls] == ["t", "b"] and len(pou.body) == 1
+
+
 def test_a_missing_end_is_told_at_the_block_it_belongs_to():
     text = program("IF x = 1 THEN\n  FOR x := 1 TO 3 DO\n    x := 2;\nEND_IF\nIF x = 2 THEN\n  x := 1;\nEND_IF")
     (error,) = errors(text)

@@ -200,3 +200,16 @@ def test_what_is_typed_wrong_is_explained_as_what_it_resembles(text, message):
     with pytest.raises(CompileError) as error:
         compile_side(Names(program), text)
     assert error.value.diagnostics[0].message == message
+
+
+@pytest.mark.parametrize(
+    ("text", "n"),
+    [
+        ("n := 1; PLC_PRG.n := 5; PLC_PRG.lim := n;", 5),
+        ("n := 7; PLC_PRG(); PLC_PRG.lim := n;", 8),
+        ("FOR n := 1 TO 3 DO PLC_PRG.n := 9; PLC_PRG.lim := n; END_FOR", 9),
+    ],
+)
+def test_a_variable_that_the_text_names_in_two_ways(run, text, n):
+    run(text)
+    assert run("PLC_PRG.lim") == str(n)

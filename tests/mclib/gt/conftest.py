@@ -1,8 +1,13 @@
 """A controller whose commands are called one a scan, by name, with the arguments that a test gives."""
 
+import sys
+from pathlib import Path
+
 import pytest
 
 from plcruntime import PLC
+
+sys.path.insert(0, str(Path(__file__).parent))  # for controller.py: the tests are no package
 
 # a axis; i, j, k INT; x, y, z DINT; v LREAL; those with o in front receive
 COMMANDS = (

@@ -114,7 +114,8 @@ def test_count(plc, case):
 def test_what_is_read_reaches_the_last_element():
     plc = PLC.load("""
 PROGRAM PLC_PRG
-VAR a3, part : ARRAY[0..2] OF LREAL := [3(-1.0)]; rtn : ARRAY[0..2] OF INT; END_VAR
+VAR a3, part : ARRAY[0..2] OF LREAL := [3(-1.0)]; rtn : ARRAY[0..2] OF INT; at : DWORD; END_VAR
+at := ADR(a3);
 GT_SetPrfPos(1, 10); GT_SetPrfPos(2, 20); GT_SetPrfPos(3, 30); GT_SetPrfPos(4, 40);
 rtn[0] := GT_GetPrfPos(1, ADR(a3), 4);
 rtn[1] := GT_GetPrfPos(profile := 2, count := 3, pValue := ADR(a3));
@@ -123,7 +124,8 @@ END_PROGRAM""")
     plc.scan()
     assert plc["PLC_PRG.rtn"] == [7, 0, 0]
     assert plc["PLC_PRG.a3"] == [20.0, 30.0, 40.0] and plc["PLC_PRG.part"] == [-1.0, 30.0, 40.0]
-    assert plc.evaluate("GT_GetPrfPos(1, ADR(PLC_PRG.a3), 4)") == 7
+    for pointer in ("ADR(PLC_PRG.a3)", "PLC_PRG.at"):
+        assert plc.evaluate(f"GT_GetPrfPos(1, {pointer}, 4)") == 7
     assert plc.evaluate("GT_GetPrfPos(1, ADR(PLC_PRG.a3), 3)") == 0 and plc["PLC_PRG.a3"] == [10.0, 20.0, 30.0]
 
 
@@ -186,6 +188,37 @@ END_PROGRAM""")
     plc["PLC_PRG.at"] = plc.program.state_end - 16
     plc.scan()
     assert plc["PLC_PRG.rtn"] == [0, 7, 0, 7]
+
+
+def test_addresses_kept_by_an_instance_or_a_function():
+    plc = PLC.load("""
+FUNCTION Local : INT
+VAR_INPUT n : INT; END_VAR
+VAR at : DWORD; v : ARRAY[0..2] OF LREAL; END_VAR
+at := ADR(v[1]);
+Local := GT_GetPrfPos(1, at, n);
+END_FUNCTION
+FUNCTION_BLOCK Own
+VAR_INPUT n : INT; END_VAR
+VAR_OUTPUT rtn : INT; END_VAR
+VAR before : DINT := 7; v : ARRAY[0..2] OF LREAL; behind : DINT := 7; at : POINTER TO LREAL; END_VAR
+at := ADR(v);
+rtn := GT_GetPrfPos(1, at, n);
+END_FUNCTION_BLOCK
+PROGRAM PLC_PRG
+VAR own : ARRAY[1..2] OF Own; i : INT; rtn : ARRAY[1..6] OF INT; END_VAR
+FOR i := 1 TO 2 DO
+    own[i](n := 3);
+    rtn[i] := own[i].rtn;
+    own[i](n := 4);
+    rtn[2 + i] := own[i].rtn;
+END_FOR
+rtn[5] := Local(2);
+rtn[6] := Local(3);
+END_PROGRAM""")
+    plc.scan()
+    assert plc["PLC_PRG.rtn"] == [0, 0, 7, 7, 0, 7]
+    assert [plc[f"PLC_PRG.own[{i}].behind"] for i in (1, 2)] == [7, 7]
 
 
 def test_an_address_of_a_part_leads_into_the_whole_where_that_is_taken_too():

@@ -3,6 +3,7 @@ run in one call: no jump of position or velocity, one owner an axis,
 at most one of Busy, Done, Error and CommandAborted."""
 
 import pytest
+from waiting import VARIABLE, wait
 
 from plcruntime import PLC
 
@@ -51,6 +52,7 @@ PROGRAM = (
     gearOut : MC_GearOut; camOut : MC_CamOut;
     table : MC_CAM_REF; select : MC_CamTableSelect; override : MC_SetOverride;
     status : MC_ReadStatus; motion : MC_ReadMotionState; info : MC_ReadAxisInfo;
+    """ + VARIABLE + """
     n, owners : INT; skip, wrong : STRING; calm : BOOL := TRUE;
     p, v, jumpP, jumpV, fastest, mark, atMark, before : LREAL; scans : DINT;
 END_VAR
@@ -109,6 +111,9 @@ class Bench:
 
     def scan(self, count: int = 1) -> None:
         self.plc.scan(count)
+        self._rules()
+
+    def _rules(self) -> None:
         assert self["wrong"] == ""
         # without a jerk limit half an acceleration jump of 20 000 u/s2 within a scan of 1 ms
         assert self["jumpP"] < 0.0026, "the position jumped"
@@ -116,11 +121,9 @@ class Bench:
 
     def until(self, name: str, most: int = 20000) -> int:
         """Scans until an output comes."""
-        start = self["scans"]
-        while not self[name]:
-            assert self["scans"] - start < most, f"{name} did not come in {most} scans"
-            self.scan()
-        return self["scans"] - start
+        scans = wait(self.plc, f"PLC_PRG.{name}", most)
+        self._rules()
+        return scans
 
     def start(self, block: str, scans: int = 1, **inputs) -> None:
         """Give a block a rising edge and scan."""

@@ -183,3 +183,57 @@ def test_what_is_queued_waits_no_longer_than_for_those(waiting, before):
     waiting["P.move.Execute"] = before == "aborted"
     waiting.scan(2 if before == "aborted" else 150)
     assert outputs(waiting, "Done") == {True}
+
+
+@pytest.mark.parametrize("mode", ["mcAborting", "mcBuffered"])
+def test_a_block_that_is_called_with_another_axis_meanwhile(mode):
+    """One instance for two axes, in a loop: the second one is an error, and the first axis misses its block."""
+    plc = PLC.load(f"""
+PROGRAM P
+VAR
+    ax : ARRAY[1..2] OF AXIS_REF_SM3; power : ARRAY[1..2] OF MC_Power; first : MC_MoveVelocity; move : MC_MoveAbsolute;
+    i : INT; go : BOOL; way : LREAL;
+END_VAR
+FOR i := 1 TO 2 DO
+    power[i](Axis := ax[i], Enable := TRUE, bRegulatorOn := TRUE, bDriveStart := TRUE);
+END_FOR
+first(Axis := ax[1], Execute := {mode} = mcBuffered AND power[1].Status, {MOVE});
+FOR i := 1 TO 2 DO
+    move(Axis := ax[i], Execute := go, BufferMode := {mode}, Position := 100, {MOVE});
+END_FOR
+END_PROGRAM
+""")
+    plc.scan(5)
+    plc["P.go"] = True
+    plc.scan()
+    assert plc["P.move.ErrorID"] == 32 and not plc["P.move.Busy"]  # SMC_AXIS_REF_CHANGED_DURING_OPERATION
+    plc.scan(200)
+    assert plc["P.ax[2].fSetPosition"] == 0.0 and plc["P.ax[2].nAxisState"] == 3
+    # what was running is an error of its axis, too; what waited does not wait any more
+    assert plc["P.ax[1].dwErrorID"] == (32 if mode == "mcAborting" else 0)
+    plc["P.go"] = False
+    plc.scan(2)
+    assert not plc["P.move.Error"]
+
+
+def test_a_block_that_is_started_for_another_axis_meanwhile():
+    plc = PLC.load(f"""
+PROGRAM P
+VAR
+    a, b : AXIS_REF_SM3; powerA, powerB : MC_Power; move : MC_MoveAbsolute; step : INT;
+END_VAR
+powerA(Axis := a, Enable := TRUE, bRegulatorOn := TRUE, bDriveStart := TRUE);
+powerB(Axis := b, Enable := TRUE, bRegulatorOn := TRUE, bDriveStart := TRUE);
+IF powerB.Status THEN
+    step := step + 1;
+END_IF
+IF step < 20 THEN
+    move(Axis := a, Execute := powerA.Status, Position := 100, {MOVE});
+ELSE
+    move(Axis := a, Execute := FALSE);
+    move(Axis := b, Execute := TRUE, Position := 50, {MOVE});
+END_IF
+END_PROGRAM
+""")
+    plc.scan(1000)
+    assert plc["P.a.dwErrorID"] == 32 and 0.0 < plc["P.a.fSetPosition"] < 10.0

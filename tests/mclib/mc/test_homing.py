@@ -447,6 +447,19 @@ def test_cam_switches():
     assert min(on[3]) == pytest.approx(10.0, abs=0.11) and len(on[3]) == 50
 
 
+@pytest.mark.parametrize(("number", "track", "error"), [(1, 0, 30003), (1, 33, 30003), (33, 1, 30003), (1, 32, 0)])
+def test_cam_switches_have_a_track(number, track, error):
+    plc = load(
+        "cams : MC_CAMSWITCH_REF; o : MC_OUTPUT_REF := (Values := 1); tracks : MC_TRACK_REF;"
+        "digital : MC_DigitalCamSwitch;",
+        "digital(Axis := ax, Switches := cams, Outputs := o, TrackOptions := tracks, Enable := TRUE);",
+    )
+    plc["P.cams.Number"], plc["P.cams.Switches[1].TrackNumber"] = number, track
+    plc.scan()
+    assert plc["P.digital.ErrorID"] == error and plc["P.digital.InOperation"] == (error == 0)
+    assert plc["P.o.Values"] == (0 if error else 2**31)  # from 0 to 0: the axis is there
+
+
 @pytest.mark.parametrize(("direction", "times"), [(0, 2), (1, 1), (2, 1)])
 def test_a_cam_switch_by_time_needs_no_last_position(direction, times):
     plc = load(

@@ -205,3 +205,31 @@ def test_nothing_moves_where_it_is_not_enabled(ready, sign):
         here = ready["ax.fSetPosition"]
         ready.start("first", 200, Position=here + 100.0)
         assert ready.state == "errorstop" and here - 1.0 < ready["ax.fSetPosition"] < here, block  # it turns no further
+
+
+WRONG_AGAIN = [
+    ("first", {"Position": 500.0}, {"Position": 5000.0}, 500.0),
+    ("relative", {"Distance": 500.0}, {"Distance": 5000.0}, 500.0),
+    ("onward", {"Position": 100.0, "EndVelocity": 50.0}, {"EndVelocity": float("nan")}, 0.0),
+    ("further", {"Distance": 100.0, "EndVelocity": 50.0}, {"Distance": 5000.0}, 0.0),
+    ("smcOnward", {"Distance": 100.0, "EndVelocity": 50.0}, {"EndVelocityDirection": 0}, 0.0),
+    ("positions", {"ArraySize": 1}, {"PositionScale": 50.0}, 500.0),
+]
+
+
+@pytest.mark.parametrize(("block", "inputs", "wrong", "end"), WRONG_AGAIN, ids=[w[0] for w in WRONG_AGAIN])
+def test_a_running_block_started_anew_with_wrong_values_goes_on_as_it_was(ready, block, inputs, wrong, end):
+    """A replan afterwards still has the first values: 500 u, or 50 u/s behind the target."""
+    ready["ax.bSWLimitEnable"], ready["ax.fSWLimitPositive"] = True, 1000.0
+    ready["positionsTable.MC_TP_Array[1]"] = {"delta_time": 0.8, "position": 500.0}
+    ready["override.Enable"] = True
+    ready.start(block, 150, **inputs)
+    ready.start(block, 5, **wrong)
+    assert ready.outputs(block) == "Error"
+    ready["override.VelFactor"] = 0.5
+    ready.scan(20)
+    ready["override.VelFactor"] = 1.0
+    ready.scan(1500)
+    assert ready["ax.fSetVelocity"] == (0.0 if end else 50.0)
+    assert ready.state == ("standstill" if end else "continuous")
+    assert not end or ready["ax.fSetPosition"] == pytest.approx(end)

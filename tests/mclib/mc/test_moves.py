@@ -196,6 +196,38 @@ def test_torque_accelerates_the_inertia(bench):
     assert bench["ax.fSetVelocity"] == 1000.0 and not bench["torque.InTorque"] and bench["torque.Busy"]
 
 
+def test_torque_takes_changed_inputs(bench):
+    """Inertia 1: a torque of 0.005 is 5000 u/s2, which Acceleration bounds."""
+    inputs = {"Torque": 0.005, "TorqueRamp": 0.0, "Velocity": 900.0, "Acceleration": 2000.0, "Deceleration": 0.0}
+    bench.start("torque", 20, ContinuousUpdate=True, **inputs)
+    assert bench["ax.fSetAcceleration"] == pytest.approx(2000.0) and not bench["torque.InTorque"]
+    bench["torque.Acceleration"] = 0.0
+    bench.scan(2)
+    assert bench["ax.fSetAcceleration"] == pytest.approx(5000.0)
+    bench.scan()
+    assert bench["torque.InTorque"]
+    bench["torque.Torque"] = 0.002
+    bench.scan(2)
+    assert bench["ax.fActTorque"] == pytest.approx(0.002) and bench["torque.InTorque"]
+    bench["torque.ContinuousUpdate"] = False
+    bench["torque.Torque"] = 0.004  # is not looked at any more
+    bench.scan(10)
+    assert bench["ax.fActTorque"] == pytest.approx(0.002) and bench["torque.InTorque"]
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_torque_has_a_sign_of_its_own(bench, sign):
+    """Braking is a torque, too, but not in the direction that is asked for."""
+    bench["ax.fScalefactor"] = float(sign)
+    bench["power.bRegulatorOn"] = False
+    bench.scan()
+    bench["power.bRegulatorOn"] = True
+    bench.scan(3)
+    bench.start("velocity", 150, Velocity=500.0)
+    bench.start("torque", 20, Torque=0.005, TorqueRamp=0.0, Velocity=100.0, Deceleration=8000.0, Acceleration=0.0)
+    assert bench["ax.fSetAcceleration"] == pytest.approx(-8000.0) and not bench["torque.InTorque"]
+
+
 @pytest.mark.parametrize(("block", "error"), [("first", 30), ("velocity", 30), ("stop", 184)])
 def test_a_block_that_is_not_called_stops_its_axis(bench, block, error):
     if block == "stop":

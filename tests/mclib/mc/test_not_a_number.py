@@ -2,6 +2,8 @@
 
 import pytest
 
+from tests.mclib.mc.conftest import BLOCKS, LINKS, TABLES
+
 NAN, INFINITE = float("nan"), float("inf")
 INPUTS = [
     ("first", "Position", 201), ("relative", "Distance", 226), ("additive", "Distance", 251),
@@ -31,3 +33,37 @@ def test_a_table_of_no_numbers(bench, value):
         bench.profile(block, [(100, 1.0), (100, 0.0)], Offset=value)
         assert bench[f"{block}.ErrorID"] == size and bench.state == "standstill"
         assert bench["ax.fSetPosition"] == 0.0
+
+
+GOOD = {
+    "Velocity": 1000.0, "VelocityDiff": 100.0, "Acceleration": 1e4, "Deceleration": 1e4, "Position": 100.0,
+    "Distance": 100.0, "EndVelocity": 50.0, "Torque": 0.005, "TorqueRamp": 0.1, "ArraySize": 1, "StartMode": 2,
+    "MasterSyncPosition": 60.0, "SlaveSyncPosition": 30.0, "fVelocityFast": 100.0, "fVelocitySlow": 10.0,
+    "fAcceleration": 1e3, "fDeceleration": 1e3, "bReferenceSwitch": True,
+}  # fmt: skip
+OTHERS = ("gear2", "second", "third", "over2", "reset", "phase", "further2")  # as others, or no numbers
+
+
+def test_every_number_of_every_block(bench):
+    """Whatever an input holds: an error and nothing moves, or the axis stays where numbers are."""
+    bench["table.nElements"] = 2
+    bench["table.Element[2].dX"] = 100.0
+    bench.start("select")
+    bench.take_cam()
+    for table in ("positionsTable.MC_TP", "velocitiesTable.MC_TV", "accelerationsTable.MC_TA"):
+        bench[f"{table}_Array[1].delta_time"] = 0.5
+    bench.start("run", 50, Velocity=100.0)
+    snapshot, found = bench.plc.snapshot(), 0
+    for block in (set(BLOCKS) | set(LINKS) | set(TABLES) | {"combine", "jog", "inch", "smcHome"}) - set(OTHERS):
+        members = bench[block]
+        inputs = {name: value for name, value in GOOD.items() if name in members}
+        for name in (n for n, v in members.items() if isinstance(v, float) and (n[0].isupper() or n[0] == "f")):
+            for value in (NAN, INFINITE, 1e308, -1e308, 1e-310):
+                bench.plc.restore(snapshot)
+                bench["calm"] = False
+                bench.start(block, 5, **{**inputs, name: value})
+                place, speed = bench["ax.fSetPosition"], bench["ax.fSetVelocity"]
+                assert abs(place) < 1e3 and abs(speed) < 1e4, (block, name, value)
+                assert place == 0.0 or not bench.outputs(block) == "Error", (block, name, value)
+                found += 1
+    assert found > 300

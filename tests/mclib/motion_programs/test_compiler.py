@@ -94,6 +94,19 @@ def test_files_that_are_no_programs(text):
         compile_motion(text)
 
 
+def test_names_have_room_in_the_symbol_file():
+    """What is compiled can be downloaded and asked for; TVarInfo has 32 characters with the closing zero."""
+    compile_motion(f"int {'x' * 31};\nvoid f()\n{{\n}}\n")
+    for text in (f"\nint {'x' * 32};\nvoid f()\n{{\n}}\n", f"int a;\nvoid {'f' * 32}()\n{{\n}}\n"):
+        with pytest.raises(MotionError, match="31 characters") as caught:
+            compile_motion(text)
+        assert caught.value.line == 2
+    function = "void f{}()\n{{\n" + "".join(f"int w{n};" for n in range(1000)) + "\n}}\n"
+    compile_motion(function.format(1) + function.format(2))
+    with pytest.raises(MotionError, match="2048 functions and variables"):
+        compile_motion("".join(function.format(n) for n in range(3)))
+
+
 def test_files_belong_together(tmp_path):
     source = tmp_path / "sum.c"
     files.write(compile_motion(SUM), source)

@@ -290,3 +290,16 @@ def test_the_variables_of_both_builds_of_a_motion_program_lie_alike():
     probed, _ = build(file, probes=True)
     assert plain.state_end == probed.state_end
     assert plain.image[: plain.state_end] == probed.image[: plain.state_end]
+
+
+def test_the_counter_of_a_loop_that_is_set_in_its_middle(tmp_path, capsys):
+    """The loop goes on from there, and an index that it leads out of range is a fault."""
+    loop = "FOR i := 0 TO 3 DO\nn := n + 1;\na[i] := i;\nEND_FOR"
+    (tmp_path / "p.st").write_text(f"PROGRAM P\nVAR i, n : INT; a : ARRAY[0..3] OF INT; END_VAR\n{loop}\nEND_PROGRAM")
+    repl = Repl(PLC.load(tmp_path / "p.st"))
+    for line in ("break P:4", "run 1ms", "set i := 3", "continue", "P.a", "n", "run 1ms", "set i := 9", "run 1ms"):
+        repl.handle(line)
+    said = capsys.readouterr().out.splitlines()
+    repl.session.close()
+    assert said[said.index("[0, 0, 0, 3]") + 1] == "1"
+    assert any("F0101" in line for line in said)

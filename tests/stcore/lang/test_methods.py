@@ -202,6 +202,7 @@ def test_a_block_without_methods_that_are_overridden_has_no_more_bytes():
         ("c.Nothing().x := 1;", "E0308", 10, "no type"),
         ("x := c.Nothing();", "E0303", 10, "is not a value"),
         ("p := ADR(c.P);", "E0319", 10, "c.P is not a variable"),
+        ("x := c.W := 3;", "E0319", 10, "c.W is not a variable"),
         ("c.Swap(c.P);", "E0319", 10, "c.P is not a variable"),
         ("c.P();", "E0406", 10, "can't be called"),
         ("SUPER^();", "E0415", 10, "extends no other block"),

@@ -206,7 +206,7 @@ def test_access_paths_are_names_for_variables():
     run.scan()
     assert [run[p] for p in ("Speed", "second.f[1].n", "Total", "Out", "%IX0.7")] == [40, 40, 12, 13, True]
     place = run._place
-    assert [place(p).constant for p in ("Speed", "Total", "Input", "Out")] == [False, True, False, True]
+    assert [place(p).read_only for p in ("Speed", "Total", "Input", "Out")] == [False, True, False, True]
 
 
 def test_an_access_path_that_leads_nowhere():
