@@ -71,6 +71,7 @@ def compile_condition(program: Program, text: str) -> bytes:
 def _sources(files: Files) -> list[Source]:
     """The texts. Raises CompileError (E0704, E0705) with every file that can't be read."""
     sources: list[Source] = []
+    seen: set[Path] = set()  # a file that is given twice, or within a folder too, is one file
     reporter = Reporter()
     for file in files:
         if isinstance(file, Source):
@@ -80,6 +81,9 @@ def _sources(files: Files) -> list[Source]:
         if not paths:
             reporter.add("E0705", Source("", str(file)), 0, path=file)
         for path in paths:
+            if path.resolve() in seen:
+                continue
+            seen.add(path.resolve())
             try:
                 sources.append(read(path))
             except OSError as error:
@@ -105,16 +109,21 @@ def _build_key(
 ) -> str:
     parts = [_own_fingerprint(), repr((tasks, [str(x) for x in libraries], strict, probes)).encode()]
     for source in sources:
-        parts += [source.path.encode(), str(source.folder or "").encode(), source.text.encode("utf-8", "surrogatepass")]
+        parts += [_bytes(x) for x in (source.path, str(source.folder or ""), source.text)]
     return cache.digest(*parts)
 
 
 def _digest(sources: list[Source], used: list[str]) -> str:
     """Of all texts that a program was made of."""
     others = [Path(path) for path in sorted(used) if Path(path).is_file()]
-    parts = [(x.path, x.text.encode("utf-8", "surrogatepass")) for x in sources]
+    parts = [(x.path, _bytes(x.text)) for x in sources]
     parts += [(str(x), x.read_bytes()) for x in others]
-    return cache.digest(*(part for path, data in parts for part in (path.encode(), data)))
+    return cache.digest(*(part for path, data in parts for part in (_bytes(path), data)))
+
+
+def _bytes(text: str) -> bytes:
+    """Also of a path that the file system's encoding can't read."""
+    return text.encode("utf-8", "surrogatepass")
 
 
 def _stamp(path: str) -> tuple[int, int] | None:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+import unicodedata
 from dataclasses import asdict, dataclass
 
 from stcore.codes import CODES
 from stcore.source import Source
+
+_CONTROLS = {c: "\N{REPLACEMENT CHARACTER}" for c in (*range(9), *range(10, 32), 127)}  # a terminal would obey them
 
 
 @dataclass(slots=True)
@@ -71,14 +74,20 @@ class Reporter:
         return sorted(self.diagnostics, key=lambda d: (order[d.file], d.line, d.column))
 
 
+def _columns(c: str) -> int:
+    """How wide a terminal shows a character: a Chinese one takes two columns."""
+    return 1 if c.isascii() else 2 if unicodedata.east_asian_width(c) in "WF" else 1
+
+
 def text(d: Diagnostic) -> str:
     """For reading: place, code, message, the source line with a caret, the hint."""
     place = f"{d.file}:{d.line}:{d.column}: {d.severity} {d.code}: {d.message}"
-    gutter = f"{d.line:5} | "
+    line = d.source_line.translate(_CONTROLS)
+    before, marked = line[: d.column - 1], line[d.column - 1 : d.end_column - 1]
     # keep tabs in front of the caret, so that it stands under its character in any terminal
-    pad = "".join(c if c == "\t" else " " for c in d.source_line[: d.column - 1])
-    marks = "^" * max(1, d.end_column - d.column)
-    shown = [gutter + d.source_line, " " * 5 + " | " + pad + marks] if d.source_line else []
+    pad = "".join(c if c == "\t" else " " * _columns(c) for c in before)
+    marks = "^" * max(1, sum(map(_columns, marked)), d.end_column - d.column)
+    shown = [f"{d.line:5} | {line}", " " * 5 + " | " + pad + marks] if line else []
     lines = [place, *shown]
     if d.hint:
         lines.append(f"      = hint: {d.hint}")

@@ -262,7 +262,8 @@ def _unusual(match: re.Match, tokens: Tokens, problems: list[tuple]) -> None:
     else:
         # a run of them is one problem, and a file of them needs no list
         if len(tokens.junk) < _MAX_JUNK and (not tokens.junk or start > tokens.junk[-1] + 1):
-            problems.append(("E0105", start, end, {"found": text}))
+            shown = text if text.isprintable() else f"U+{ord(text):04X}"
+            problems.append(("E0105", start, end, {"found": shown}))
         tokens.junk.append(start)
         return
     tokens.kinds.append(kind)

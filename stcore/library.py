@@ -90,6 +90,14 @@ def _files(folder: str, recursive: bool) -> Iterator[tuple[str, int, int]]:
             yield from _files(entry.path, True)
 
 
+def _names_in(path: str) -> list[str]:
+    """What a file defines; nothing where it is no text or is closed to us."""
+    try:
+        return sorted(names_of(read(path).text))
+    except OSError:
+        return []
+
+
 def _defined(folder: str, files: tuple[tuple[str, int, int], ...]) -> dict[str, str]:
     """What the files of a folder define. The cache has it as it was at the last look; only what has changed since is
     read again."""
@@ -99,7 +107,7 @@ def _defined(folder: str, files: tuple[tuple[str, int, int], ...]) -> dict[str, 
     if before.get("stamp") == stamp:
         return before["defined"]
     known = {tuple(file): names for file, names in before.get("names", [])}
-    names = {file: known[file] if file in known else sorted(names_of(read(file[0]).text)) for file in files}
+    names = {file: known[file] if file in known else _names_in(file[0]) for file in files}
     defined = _owners({path: names[path, time, size] for path, time, size in files})
     kept = {"stamp": stamp, "names": list(names.items()), "defined": defined}
     cache.store("index", key, json.dumps(kept).encode())

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from bisect import bisect_right
 from pathlib import Path
 
 from stcore.typeset import joined
+
+_NO_TEXT = re.compile(rb"[\x00-\x08\x0e-\x1f]")
 
 
 class Source:
@@ -52,10 +55,14 @@ class Source:
 def read(path: str | Path) -> Source:
     """Read a file as UTF-8, else as GB18030 (the code page of the Chinese tools).
 
-    Raises OSError when the file can't be read; a byte that neither encoding knows becomes U+FFFD, which the
-    lexer reports at its place.
+    Raises OSError when the file can't be read or is no text; a byte that neither encoding knows becomes U+FFFD, which
+    the lexer reports at its place.
     """
     data = Path(path).read_bytes()
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return Source(data.decode("utf-16", errors="replace"), str(path))
+    if 100 * len(_NO_TEXT.findall(data)) > len(data):
+        raise OSError("it is no text")
     for encoding in ("utf-8-sig", "gb18030"):
         try:
             return Source(data.decode(encoding), str(path))

@@ -13,6 +13,9 @@ VALUE_HELP = "VAR=VALUE[@TIME]: VALUE as in ST, TIME as 10ms or #120 (scans)"
 
 def main(argv: list[str] | None = None) -> int:
     """Run a command; gives the exit code: 0 done, 1 errors or a fault, 2 usage, 3 --until not reached."""
+    for stream in (sys.stdout, sys.stderr):  # a name that the terminal's encoding lacks is no reason to fail
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
     arguments = _parser().parse_args(argv)
     from plcruntime.errors import UsageError
 

@@ -30,7 +30,7 @@ def execute(arguments: argparse.Namespace) -> int:
     if arguments.pattern == "*":  # some hundred conversions would hide the rest
         found = [e for e in found if e.summary != catalogue.CONVERSION]
     for entry in found:
-        print(_card(entry, sys.stdout.isatty()))
+        print(_card(entry, output.coloured(sys.stdout)))
     print(f"{len(found)} in the library")
     return DONE
 

@@ -83,6 +83,21 @@ def plc() -> PLC:
     return plc
 
 
+def moves(plc: PLC) -> bool:
+    """Whether any axis does, of all of them at once."""
+    first, second = (plc.place(f"SIM.Axis[{n}].moving").address for n in (1, 2))
+    return any(plc._machine.memory[first : first + len(plc.axes) * (second - first) : second - first])
+
+
+def test_a_move_is_seen(plc):
+    assert not moves(plc)
+    last = len(plc.axes)
+    plc.axes[last].moving = True
+    assert moves(plc)
+    plc.axes[last].moving = False
+    assert not moves(plc)
+
+
 @pytest.mark.parametrize("case", CASES)
 def test_parameter_errors(plc, case):
     refused = plc["SIM.refusals"]
@@ -94,7 +109,7 @@ def test_parameter_errors(plc, case):
         last = plc[f"SIM.refused[{refused % 32}]"]
         assert plc["SIM.refusals"] == refused + 1
         assert last["command"] == case.split(" ")[0][:31] and last["code"] == 7 and last["why"]
-    assert plc.fault is None and not any(axis.moving for axis in plc.axes)
+    assert plc.fault is None and not moves(plc)
 
 
 # what the host does alone, or what is no command of the PLC
