@@ -290,6 +290,9 @@ class _Choosers(Dispatch):
 
     body = method
 
+    def query(self, interface: Pou) -> str:
+        raise SideError(f"whether an instance has {interface.name} can only be asked in the program")
+
 
 def summary(diagnostics: list[Diagnostic]) -> str:
     """The first error in one sentence."""

@@ -283,6 +283,21 @@ def _isvalidref(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Nod
     return _done(node, name, t.DWORD, t.BOOL, [value.base])
 
 
+def _query(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
+    """__QUERYINTERFACE(itf, other): whether the instance behind an interface has another one, which it is put into;
+    __QUERYPOINTER(itf, p): the address of the instance. FALSE and 0 where there is none (CODESYS V3)."""
+    what = checker.value(values[0])
+    place = checker.place(values[1], write=True)
+    if t.ERROR in (what.type, place.type):
+        return checker.wrong(node)
+    wanted = t.Interface if name == "__QUERYINTERFACE" else t.Pointer
+    if not isinstance(what.type, t.Interface | t.Block) or place.type.__class__ is not wanted:
+        kinds = "an instance or an interface, and " + ("an interface" if wanted is t.Interface else "a pointer")
+        checker.error("E0407", node, name=name, wanted=kinds, given=f"{what.type} and {place.type}", hint="")
+        return checker.wrong(node)
+    return _done(node, name, place.type, t.BOOL, [what, place])
+
+
 def _dynamic(checker, node: s.Call, name: str, values: list[s.Node]) -> s.Node:
     hint = "every variable lives as long as the program: declare an array of them and hand out its elements"
     checker.error("E0114", node, what=name, hint=hint)
@@ -350,7 +365,8 @@ HANDLERS: dict[str, tuple[Callable, int, int]] = {
     "LIMIT": (_same_type, 3, 3), "MOVE": (_same_type, 1, 1), "SEL": (_choice, 3, 3), "MUX": (_choice, 2, 999),
     "TRUNC": (_trunc, 1, 1), "TRUNC_INT": (_trunc, 1, 1), "SHL": (_shift, 2, 2), "SHR": (_shift, 2, 2),
     "ROL": (_shift, 2, 2), "ROR": (_shift, 2, 2), "NOT": (_not, 1, 1), "ADR": (_adr, 1, 1), "SIZEOF": (_sizeof, 1, 1),
-    "XSIZEOF": (_sizeof, 1, 1), "__ISVALIDREF": (_isvalidref, 1, 1), "__NEW": (_dynamic, 0, 99),
+    "XSIZEOF": (_sizeof, 1, 1), "__ISVALIDREF": (_isvalidref, 1, 1), "__QUERYINTERFACE": (_query, 2, 2),
+    "__QUERYPOINTER": (_query, 2, 2), "__NEW": (_dynamic, 0, 99),
     "__DELETE": (_dynamic, 0, 99),
     "BITADR": (_bitadr, 1, 1), "LOWER_BOUND": (_bound, 2, 2), "UPPER_BOUND": (_bound, 2, 2),
     "__FLOOR": (_typed(_L, _L), 1, 1), "__CEIL": (_typed(_L, _L), 1, 1), "__NEAREST": (_typed(_L, _L), 1, 1),

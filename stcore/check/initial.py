@@ -74,6 +74,9 @@ class Initials(Conversions):
                 field = list(kind.members.values())[position]
             if field is None:
                 known = [f.name for f in kind.members.values()]
+                pou = self.project.block_pous.get(kind)
+                if pou is not None and pou.incomplete:
+                    continue
                 self.error("E0306", arg, name=arg.name, type=kind.name, near=near(arg.name or "", known))
                 continue
             if arg.value is not None:

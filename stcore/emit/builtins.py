@@ -213,11 +213,23 @@ def _sqrt(e, node: s.Call, call: BuiltinCall) -> str:
     return f"({wasm_type(call.kind)}.sqrt {e.value(call.args[0])})"
 
 
+def _query(e, node: s.Call, call: BuiltinCall) -> str:
+    """The address of the instance, if it is asked for or has the interface, into the second argument."""
+    what, place = call.args
+    text = e.value(what)
+    if call.name == "__QUERYINTERFACE":
+        text = f"(call {e.module.dispatch.query(e.module.project.block_pous[call.kind.target])} {text})"
+    found = e.temp("i32")
+    store = e.store_text(place, f"(local.get {found})")
+    return f"(block (result i32) (local.set {found} {text}) {store} (i32.ne (local.get {found}) (i32.const 0)))"
+
+
 EMIT: dict[str, Callable] = {
     "ABS": _abs, "SQRT": _sqrt, "MIN": _extreme("lt"), "MAX": _extreme("gt"), "LIMIT": _limit, "SEL": _sel, "MUX": _mux,
     "TRUNC": _trunc, "TRUNC_INT": _trunc, "SHL": _shift, "SHR": _shift, "ROL": _rotate, "ROR": _rotate, "ADR": _adr,
     "__ROOM": _room, "__ROOM_AT": _room_at,
     "LOWER_BOUND": _bound, "UPPER_BOUND": _bound, "MEMMOVE": _memmove, "MEMSET": _memset,
+    "__QUERYINTERFACE": _query, "__QUERYPOINTER": _query,
     "__ISVALIDREF": lambda e, node, call: f"(i32.ne {e.value(call.args[0])} (i32.const 0))",
     "__FLOOR": _instruction("f64.floor"), "__CEIL": _instruction("f64.ceil"),
     "__NEAREST": _instruction("f64.nearest"), "__COPYSIGN": _instruction("f64.copysign"),

@@ -108,6 +108,8 @@ class Changes:
         call = node.symbol
         if isinstance(call, BuiltinCall):
             self.anything |= call.name in ("MEMMOVE", "MEMSET")
+            if call.name in ("__QUERYINTERFACE", "__QUERYPOINTER"):
+                self.store(call.args[1])
         elif isinstance(call, FunctionCall | BlockCall):
             for place in [*(place for _, place in call.outputs), *([call.eno] if call.eno is not None else [])]:
                 self.store(place)

@@ -77,6 +77,18 @@ class Dispatch:
             return block.symbol
         return self._function(f"{block.symbol}.of", block, self.of_body(block), [], [])
 
+    def query(self, interface: Pou) -> str:
+        """The function that gives an instance back if its block implements the interface, else 0."""
+        name = f"{interface.symbol}.query"
+        numbers = {b.type.number for b in self.blocks if b.type.implements(interface.type)}
+        wanted = ["$yes" if n in numbers else "$no" for n in range(max(numbers, default=0) + 1)]
+        this = "(local.get $this)"
+        self.functions[name] = (
+            f"(func {name} (param $this i32) (result i32) (block $no (block $yes (br_if $no (i32.eqz {this}))\n"
+            f"(br_table {' '.join(wanted)} $no (i32.load {this}))) (return {this})) (i32.const 0))"
+        )
+        return name
+
     def _function(
         self, name: str, known: Pou, chosen: dict[int, Pou], params: list[str], results: list[str]
     ) -> str:

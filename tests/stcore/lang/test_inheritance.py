@@ -227,3 +227,48 @@ def test_errors_of_declarations(units, code, words):
     units = re.sub(r"\b(END_)?FB\b", r"\1FUNCTION_BLOCK", units)
     (found,) = errors(units + "\nPROGRAM PLC_PRG\nEND_PROGRAM")
     assert found.code == code and words in found.message
+
+
+QUERIED = """
+INTERFACE I1 METHOD Go : INT END_METHOD END_INTERFACE
+INTERFACE I2 METHOD Up : INT END_METHOD END_INTERFACE
+FUNCTION_BLOCK A IMPLEMENTS I1 VAR a : INT := 4; END_VAR METHOD Go : INT Go := a; END_METHOD END_FUNCTION_BLOCK
+FUNCTION_BLOCK B EXTENDS A IMPLEMENTS I2 METHOD Up : INT Up := a * 10; END_METHOD END_FUNCTION_BLOCK
+"""
+QUERYING = "a : A; b : B; x : I1; y, z : I2; q : ARRAY[1..6] OF BOOL; p : POINTER TO A; u, v, w : INT;"
+
+
+def test_what_an_instance_is_can_be_asked():
+    r = run(
+        """x := a; q[1] := __QUERYINTERFACE(x, y); x := b; q[2] := __QUERYINTERFACE(x, z); u := z.Up();
+        q[3] := __QUERYPOINTER(x, p); v := p^.a; IF __QUERYINTERFACE(b, z) THEN w := z.Up(); END_IF
+        x := 0; q[4] := __QUERYINTERFACE(x, z); q[5] := __QUERYPOINTER(x, p);""",
+        QUERYING,
+        QUERIED,
+    )
+    assert r["q"] == [False, True, True, False, False, False]
+    assert [r[n] for n in ("u", "v", "w", "y", "z", "p")] == [40, 4, 40, 0, 0, 0]
+
+
+@pytest.mark.parametrize("call", ["__QUERYINTERFACE(x, p)", "__QUERYPOINTER(x, y)", "__QUERYINTERFACE(5, y)"])
+def test_what_can_be_asked(call):
+    (found,) = errors(program(f"q[1] := {call};", QUERYING, QUERIED))
+    assert found.code == "E0407"
+
+
+def test_an_error_in_a_name_behind_extends_or_implements_is_one():
+    for wrong in ("EXTENDS Shap ", "IMPLEMENTS IShap "):
+        right = wrong.strip() + "e "
+        before = SHAPES.replace(right, wrong, 1)
+        text = program("a1 := sq.Area() + ci.Area(); any := ci; s1 := sq.Name;", DECLARATIONS, before)
+        assert [d.code for d in errors(text)] == ["E0202"], wrong
+
+
+def test_probed_and_plain_builds_have_one_image():
+    from stcore.build_program import build
+    from stcore.compiler import LIBRARY
+    from stcore.source import Source
+
+    text = program("any := sq; a1 := any.Area(); p := ADR(di); s1 := p^.Name;", DECLARATIONS, SHAPES)
+    plain, probed = (build([Source(text, "case.st")], None, [LIBRARY], False, probes)[0] for probes in (False, True))
+    assert plain.image[: plain.state_end] == probed.image[: probed.state_end]
