@@ -215,9 +215,9 @@ def test_captures():
 
 
 def test_captures_are_exact_where_signals_have_their_places():
-    """The hardware keeps the position of the edge itself, at any speed: the switch at 1000..2000, an index pulse every 500
-    from 300 on."""
-    put, get, zero = "GT_SetTrigger(i, ADR(trigger))", "GT_GetTriggerStatus(i, ADR(done), 2)", "GT_ZeroPos(1, 1)"
+    """The hardware keeps the position of the edge itself, at any speed: the switch at 1000..2000, an index pulse every
+    500 from 300 on."""
+    put, get = "GT_SetTrigger(i, ADR(trigger))", "GT_GetTriggerStatus(i, ADR(done), 2)"
     io = Board(*JOG, put, get)
     io.plc.scan()
     places = io.plc.axes[1].places
