@@ -242,7 +242,7 @@ class Engine:
             return
         if count < 0 or reach is None or goal < reach:
             behind = 0 if reach is None else self.scans - reach
-            raise ValueError(f"can't go back by {count} scans: {behind} are remembered")
+            raise ValueError(f"can't go back by {count} scan{'s' if count != 1 else ''}; remembered: {behind}")
         self.go_to(goal)
 
     def go_to(self, goal: int) -> None:

@@ -8,6 +8,7 @@ import traceback
 
 from plcruntime.errors import ConditionTimeout, UsageError
 from plcruntime.repl.commands import COMMANDS, Commands, split
+from plcruntime.repl.entry import OPENING, incomplete
 from plcruntime.repl.session import Session
 from plcruntime.report import fault_text
 from stcore.diagnostics import CompileError
@@ -76,11 +77,18 @@ class Repl:
 def _meant(line: str) -> str:
     """The command that a line that is no ST may have been meant as."""
     word = re.match(r"([A-Za-z]{3,})(\s|$)", line)
-    hint = near(word[1].lower(), list(COMMANDS)) if word else ""
+    hint = near(word[1].lower(), list(COMMANDS)) if word and word[1].upper() not in OPENING else ""
     return f"; {hint.removesuffix('?')}, the command?" if hint else ""
 
 
 def _piped(_session):
+    text = ""
     for line in sys.stdin:
-        if not line.lstrip().startswith("#"):
-            yield line
+        if not text and line.lstrip().startswith("#"):
+            continue
+        text += line
+        if not line.strip() or not incomplete(text.rstrip()):
+            yield text
+            text = ""
+    if text:
+        yield text

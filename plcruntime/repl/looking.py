@@ -10,6 +10,7 @@ from plcruntime.debugger import Outcome
 from plcruntime.errors import UsageError
 from plcruntime.repl import axis_table, chart, layout
 from plcruntime.repl.moving import ENDLESS
+from plcruntime.repl.session import counted
 from stcore import paths
 from stcore.paths import PathError
 from stcore.types import Block
@@ -81,7 +82,9 @@ class Looking:
             try:
                 parsed = self.plc.parse_value(name, value)
             except (TypeError, ValueError, PathError):
-                pass  # not a literal of that type: an expression
+                if re.match(r"\[|\(\s*\w+\s*:=", value):
+                    raise
+                # not a literal of that type: an expression
             else:
                 self.plc[name] = parsed
                 return
@@ -237,7 +240,7 @@ class Looking:
     def do_trace(self, rest: str) -> None:
         trace = self.session.trace
         if not rest:
-            rows = f"{len(trace)} scans of {', '.join(trace.names)}" if trace else "nothing; trace VAR... begins"
+            rows = f"{counted(len(trace))} of {', '.join(trace.names)}" if trace else "nothing; trace VAR... begins"
             self.session.say(f"recorded: {rows}")
         elif rest.lower() == "off":
             if trace is None:
@@ -261,4 +264,4 @@ class Looking:
         if suffix not in (".csv", ".npz"):
             raise UsageError(f"{file}: the name must end with .csv or .npz")
         (trace.to_csv if suffix == ".csv" else trace.to_npz)(file)
-        self.session.say(f"wrote {file}: {len(trace)} scans")
+        self.session.say(f"wrote {file}: {counted(len(trace))}")

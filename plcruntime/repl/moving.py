@@ -182,7 +182,7 @@ class Moving:
 
     def do_load(self, rest: str) -> None:
         if not rest:
-            raise UsageError(f"load takes a name; there are {', '.join(store.names(self.plc)) or 'none'}")
+            raise UsageError(f"load takes a name; kept: {', '.join(store.names(self.plc)) or 'none'}")
         snapshot = store.load(self.plc, rest)
         self.debugger.abandon()
         self.session.begin()

@@ -108,7 +108,7 @@ class Session:
 
     def progress(self) -> str:
         """How far the PLC is: 5 scans, 0.005 s."""
-        return f"{self.plc.scans} scan{'s' if self.plc.scans != 1 else ''}, {self.time()}"
+        return f"{counted(self.plc.scans)}, {self.time()}"
 
     def time(self) -> str:
         return f"{self.plc.time:.9g} s"
@@ -199,3 +199,8 @@ class Session:
 def _own_names(stop: Stop) -> set[str]:
     members = set(stop.body.block.members) if stop.body.block is not None else set()
     return members | {name.upper() for name, *_ in stop.body.locals}
+
+
+def counted(scans: int) -> str:
+    """1 scan, 2 scans."""
+    return f"{scans} scan{'s' if scans != 1 else ''}"

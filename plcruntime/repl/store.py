@@ -56,7 +56,7 @@ def load(plc: PLC, name: str) -> Snapshot:
     try:
         data = file.read_bytes()
     except OSError:
-        raise UsageError(f"there is no snapshot {name}; there are {', '.join(names(plc)) or 'none'}") from None
+        raise UsageError(f"there is no snapshot {name}; kept: {', '.join(names(plc)) or 'none'}") from None
     start = len(_MAGIC) + 32
     body = data[start:]
     if not data.startswith(_MAGIC) or hashlib.sha256(body).digest() != data[len(_MAGIC) : start]:

@@ -6,11 +6,14 @@ import threading
 from collections.abc import Iterator
 
 from prompt_toolkit import PromptSession
+from prompt_toolkit.application import get_app
 from prompt_toolkit.completion import Completer, Completion
 from prompt_toolkit.document import Document
+from prompt_toolkit.filters import Condition
 from prompt_toolkit.history import FileHistory, History, InMemoryHistory
 
 from plcruntime.repl.completion import candidates
+from plcruntime.repl.entry import incomplete
 from plcruntime.repl.session import Session
 from stcore import cache
 
@@ -40,7 +43,10 @@ def lines(session: Session) -> Iterator[str]:
     """What the user types, until Ctrl-D. Ctrl-C clears the line."""
     session.interactive = True
     threading.Thread(target=_warm, name="scancycle imports", daemon=True).start()
-    prompt = PromptSession(history=_history(session), completer=_Completer(session), complete_while_typing=True)
+    prompt = PromptSession(
+        history=_history(session), completer=_Completer(session), complete_while_typing=True,
+        multiline=Condition(lambda: incomplete(get_app().current_buffer.text)), prompt_continuation=_more,
+    )  # fmt: skip
     while True:
         try:
             yield prompt.prompt(_text(session))
@@ -48,6 +54,11 @@ def lines(session: Session) -> Iterator[str]:
             continue
         except EOFError:
             return
+
+
+def _more(width: int, _line: int, _wrapped: int) -> str:
+    """In front of the lines of a text that goes on."""
+    return "> ".rjust(width)
 
 
 def _warm() -> None:

@@ -266,7 +266,7 @@ def test_going_back_from_one_keyframe(plc):
     assert plc.scans == 80
     plc.back(80)
     assert plc.scans == 0
-    with pytest.raises(ValueError, match="can't go back by 1 scans: 0 are remembered"):
+    with pytest.raises(ValueError, match="can't go back by 1 scan; remembered: 0"):
         plc.back(1)
 
 

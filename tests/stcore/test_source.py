@@ -30,7 +30,8 @@ def test_what_is_no_text_is_one_error(tmp_path, data):
 def test_a_sibling_that_is_no_text_is_passed_over(tmp_path):
     (tmp_path / "data.st").write_bytes(bytes(1000))
     (tmp_path / "p.st").write_text("PROGRAM p\nVAR x : INT; END_VAR\nx := Twice(2);\nEND_PROGRAM\n")
-    (tmp_path / "Twice.st").write_text("FUNCTION Twice : INT\nVAR_INPUT a : INT; END_VAR\nTwice := 2 * a;\nEND_FUNCTION\n")
+    twice = "FUNCTION Twice : INT\nVAR_INPUT a : INT; END_VAR\nTwice := 2 * a;\nEND_FUNCTION\n"
+    (tmp_path / "Twice.st").write_text(twice)
     assert not stcore.compile([tmp_path / "p.st"]).diagnostics
 
 

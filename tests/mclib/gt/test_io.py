@@ -214,6 +214,32 @@ def test_captures():
     assert io(put, i=13) == 7 and io(get, i=12) == 7 and io(link, i=1, k=13) == 7 and io(offset, i=0) == 7
 
 
+def test_captures_are_exact_where_signals_have_their_places():
+    """The hardware keeps the position of the edge itself, at any speed: the switch at 1000..2000, an index pulse every
+    500 from 300 on."""
+    put, get = "GT_SetTrigger(i, ADR(trigger))", "GT_GetTriggerStatus(i, ADR(done), 2)"
+    io = Board(*JOG, put, get)
+    io.plc.scan()
+    places = io.plc.axes[1].places
+    places.homeFrom, places.homeTo, places.indexPeriod, places.index, places.placed = 1000.0, 2000.0, 500.0, 300.0, True
+    home = {"encoder": 1, "probeType": 1, "probeIndex": 0, "offset": 0, "windowOnly": 0}
+
+    def passes(vel: float, scans: int, window=(0, 0)) -> list[int]:
+        assert io(put, i=1, trigger=home) == 0
+        index = {**home, "probeType": 2, "windowOnly": int(window != (0, 0)), "firstPosition": window[0]}
+        assert io(put, i=2, trigger={**index, "lastPosition": window[1]}) == 0
+        for call in JOG if not io.plc.axes[1].moving else JOG[-2:]:
+            assert io(call, jog={"acc": 1.0, "dec": 1.0, "smooth": 0.0}, r=vel) == 0
+        io.plc.scan(scans)
+        assert io(get, i=1) == 0 and [x["done"] for x in io["done"][:2]] == [1, 1]
+        return [x["position"] for x in io["done"][:2]]
+
+    assert passes(37.0, 100) == [1000, 300]
+    assert passes(-37.0, 160, window=(1400, 2200)) == [2000, 1800]
+    assert io.plc.axes[1].position < 1000.0
+    assert passes(23.0, 250, window=(1100, 1900)) == [1000, 1300]
+
+
 @pytest.mark.parametrize(("kind", "bit", "scans"), [(1, 1 << 7, 20), (0, 1 << 8, 1)])
 def test_stop_inputs(kind, bit, scans):
     put, clear, more = "GT_SetStopIo(1, k, 4, 3)", "GT_ClrSts(1)", "GT_SetStopIo(i, 0, DINT_TO_INT(d), k)"

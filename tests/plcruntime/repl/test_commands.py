@@ -119,7 +119,7 @@ def test_snapshots_by_name(prompt, source):
     file.write_bytes(data)
     assert "damaged" in prompt("load five")
     assert prompt("n") == "5"
-    assert prompt("load six") == "there is no snapshot six; there are five"
+    assert prompt("load six") == "there is no snapshot six; kept: five"
     assert "no name" in prompt("save ../x")
 
 
@@ -276,3 +276,10 @@ def test_the_page_names_every_command():
 
     page = (Path(__file__).parents[3] / "docs" / "repl.md").read_text(encoding="utf-8")
     assert [name for name in COMMANDS if f"`{name}" not in page] == []
+
+
+def test_a_list_of_values_that_is_wrong_says_why(prompt):
+    assert prompt("set p := (x := 1, z := 2)") == "PLC_PRG.p has no variable z; it has x, y"
+    assert "not an array" in prompt("set n := [1]")
+    assert prompt("set n := (1 + 2) * 3") == "" and prompt("n") == "9"
+    assert prompt("FOR zz := 1 TO 3 DO END_FOR") == "zz is not declared"

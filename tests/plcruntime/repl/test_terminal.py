@@ -13,6 +13,7 @@ from plcruntime import PLC
 from plcruntime.repl import axis_table, live
 from plcruntime.repl.chart import draw
 from plcruntime.repl.completion import candidates
+from plcruntime.repl.entry import incomplete
 from plcruntime.repl.layout import broken, table
 from plcruntime.repl.session import Session
 
@@ -31,6 +32,27 @@ def test_commands_from_a_pipe(source):
     assert done.stdout.splitlines()[1:3] == ["3 scans, 0.003 s", "3"]
     assert done.stdout.splitlines()[-2:] == ["1003 scans, 1.003 s", "1050"]
     assert not done.stderr
+
+
+def test_st_of_several_lines_from_a_pipe(source):
+    text = "IF n < 5 THEN\n  n := 40;\nEND_IF\nn\n(* a\ncomment *) n + 1\nFOR n := 1 TO 3 DO\n\nn\nWHILE n < 9 DO"
+    done = piped(source, text)
+    assert done.returncode == 0
+    said = done.stdout.splitlines()[1:]
+    assert said[:2] == ["40", "41"] and "END_FOR" in said[2] and said[3] == "40" and "END_WHILE" in said[4]
+
+
+@pytest.mark.parametrize(
+    "text, more",
+    [
+        ("IF a THEN", True), ("IF a THEN b := 1; END_IF", False), ("if a then\n", False), ("n + 1", False),
+        ("CASE a OF 1: IF b THEN c := 1; END_IF", True), ("// IF", False), ("'IF'", False), ("(* IF", True),
+        ("until a > 1 for 5s", False), ("REPEAT a := 1; UNTIL a END_REPEAT", False), ("(* a *) b", False),
+        ("s := '(*'", False), ("END_IF", False), ("FOR i := 1 TO 2 DO END_FOR WHILE b DO", True),
+    ],
+)  # fmt: skip
+def test_which_text_goes_on_in_the_next_line(text, more):
+    assert incomplete(text) == more
 
 
 def test_the_end_of_the_input_ends_a_session_that_waits(source):
@@ -202,6 +224,9 @@ def test_in_a_terminal(terminal, kept):
     terminal.shows("6 scans, 0.006 s")
     terminal.type("Up", "Up", "Up", "Enter")  # n * 1000 from the history
     terminal.shows("6000")
+    for line in ("IF n > 0 THEN", "n := 70;", "END_IF", "n * 2"):  # a text of several lines
+        terminal.line(line)
+    terminal.shows("140")
     terminal.line("quit")
     deadline = time.monotonic() + WAIT
     while terminal.alive() and time.monotonic() < deadline:

@@ -48,6 +48,23 @@ FUNCTION_BLOCK Holder
 VAR inner : Watched; END_VAR
 inner.n := inner.n + 10;
 END_FUNCTION_BLOCK
+FUNCTION_BLOCK Meter
+VAR n : DINT; i : INT; k : DINT; END_VAR
+METHOD Up : DINT
+n := n + 1; Up := n;
+END_METHOD
+PROPERTY Level : DINT
+GET
+Level := n;
+END_GET
+SET
+n := Level; k := k + 1;
+END_SET
+END_PROPERTY
+FOR i := 1 TO 4 DO
+  n := n + 2; k := k + n; THIS^.Up(); k := k + n; Up(); n := n + k; Level := n + 1; k := k + Level;
+END_FOR
+END_FUNCTION_BLOCK
 PROGRAM Other
 VAR k : DINT; END_VAR
 k := k + 1; g := g + k; PLC_PRG.x := PLC_PRG.x + 1;
@@ -55,7 +72,7 @@ END_PROGRAM
 """
 DECLARATIONS = """i, j, n, s : INT; x, y, z : DINT; sum : LREAL; r : REAL; b : BOOL; w : WORD; t : TIME;
  e : (red, green, blue); p : POINTER TO DINT; pb : POINTER TO BYTE; ref : REFERENCE TO DINT;
- pair, pair2 : Pair; c, d : Count; h : Holder;
+ pair, pair2 : Pair; c, d : Count; h : Holder; mt : Meter;
  l : LINT; a : ARRAY[0..9] OF DINT; us : USINT; si : SINT;"""
 # what stands in a loop beside statements that change x, n, sum and read them
 WAYS = {
@@ -74,6 +91,7 @@ WAYS = {
     "global": "g := g + x; x := AddToG(2); g := g - 1;",
     "block with itself": "c.other := ADR(d); d.other := ADR(c); c.left := 2; d.left := 1; c(step := 1); x := x + c.n;",
     "child and parent": "h.inner.parent := ADR(h); h.inner(); x := h.inner.n;",
+    "methods": "mt(); x := x + mt.Up() + mt.Level; mt.Level := x; n := n + TO_INT(mt.Up());",
     "another program": "Other(); x := x + Other.k; g := g + 1;",
     "bits": "w.3 := NOT w.3; w := w + 1; w.%B1 := 16#A; x.5 := b; b := NOT b;",
     "loop": "FOR j := 1 TO n DO x := x + j; IF j = 3 THEN EXIT; END_IF END_FOR; x := x + j;",
