@@ -257,8 +257,8 @@ def test_what_can_be_asked(call):
 
 
 def test_an_error_in_a_name_behind_extends_or_implements_is_one():
-    for wrong in ("EXTENDS Shap ", "IMPLEMENTS IShap "):
-        right = wrong.strip() + "e "
+    for right in ("EXTENDS Shape", "IMPLEMENTS IShape"):
+        wrong = f"{right}s"
         before = SHAPES.replace(right, wrong, 1)
         text = program("a1 := sq.Area() + ci.Area(); any := ci; s1 := sq.Name;", DECLARATIONS, before)
         assert [d.code for d in errors(text)] == ["E0202"], wrong
