@@ -89,7 +89,8 @@ class Methods(Calls):
         pou, base = symbol.pou, symbol.base
         if pou.holder.kind == "INTERFACE":
             return True
-        if not pou.holder.type.number or "FINAL" in pou.tree.modifiers | pou.holder.tree.modifiers:
+        modifiers = pou.tree.modifiers | (pou.holder.tree.modifiers & {"FINAL"})
+        if not pou.holder.type.number or modifiers & {"FINAL", "PRIVATE"}:
             return False
         return base is None or is_borrowed(base)
 
@@ -115,7 +116,8 @@ class Methods(Calls):
             return  # it may have what the parser could not read
         for name, method in pou.methods.items():
             inherited = pou.base.method(name) if pou.base is not None else None
-            if inherited is not None and name not in _OWN_INPUTS:
+            private = inherited is not None and "PRIVATE" in inherited.tree.modifiers
+            if inherited is not None and name not in _OWN_INPUTS and not private:
                 self._as_declared(method, inherited)
         for interface in pou.interfaces:
             wanted = {n: m for x in interface.chain() for n, m in x.methods.items()}

@@ -272,3 +272,25 @@ def test_probed_and_plain_builds_have_one_image():
     text = program("any := sq; a1 := any.Area(); p := ADR(di); s1 := p^.Name;", DECLARATIONS, SHAPES)
     plain, probed = (build([Source(text, "case.st")], None, [LIBRARY], False, probes)[0] for probes in (False, True))
     assert plain.image[: plain.state_end] == probed.image[: probed.state_end]
+
+
+def test_a_private_method_is_not_replaced():
+    before = """
+FUNCTION_BLOCK A
+METHOD PRIVATE Own : INT Own := 1; END_METHOD
+METHOD Both : INT Both := 10 * Own() + Shared(); END_METHOD
+METHOD Shared : INT Shared := 2; END_METHOD
+END_FUNCTION_BLOCK
+FUNCTION_BLOCK B EXTENDS A
+METHOD Own : DINT Own := 8; END_METHOD
+METHOD Shared : INT Shared := 9; END_METHOD
+END_FUNCTION_BLOCK
+"""
+    r = run("x := a.Both(); y := b.Both(); z := b.Own();", "a : A; b : B; x, y : INT; z : DINT;", before)
+    assert (r["x"], r["y"], r["z"]) == (12, 19, 8)
+
+
+def test_a_block_of_the_library_is_extended():
+    before = "FUNCTION_BLOCK Mine EXTENDS TON METHOD Left : TIME Left := PT - ET; END_METHOD SUPER^(); END_FUNCTION_BLOCK"
+    r = Run(program("t(IN := TRUE, PT := T#5ms); left := t.Left();", "t : Mine; left : TIME;", before)).scan(3)
+    assert (r["t.ET"], r["left"]) == (0.002, 0.003)
