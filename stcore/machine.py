@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import functools
+import os
 import struct
 import threading
 from collections.abc import Callable, Mapping
@@ -64,6 +65,16 @@ class _Ahead(threading.Thread):
 
 
 _ahead: _Ahead | None = None
+
+
+def _wait() -> None:
+    """A child has none of the threads that it was forked amid: it takes over what is finished."""
+    if _ahead is not None:
+        _ahead.join()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(before=_wait)
 
 
 def load_ahead(wasm: bytes) -> None:

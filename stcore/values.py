@@ -44,6 +44,7 @@ PER_SECOND = {
     "LTOD": 10**9,
     "LDT": 10**9,
 }
+_NUMBERS = ("int", "bits", "real")
 _CODECS = {name: struct.Struct("<" + code) for name, code in FORMATS.items()}
 _ESCAPES = {"\n": "$N", "\r": "$R", "\t": "$T", "\f": "$P"}
 
@@ -347,7 +348,23 @@ def _named(program: Program, memory, node: Name | Member, t: Type, path: str):
     while isinstance(base, Member):
         base = base.base
         text = f"{base.name}.{text}"
-    return read(memory, resolve(program, text))
+    try:
+        return read(memory, resolve(program, text))
+    except PathError as error:
+        raise PathError(f"{path} is {t}{_takes(t)}; {error}") from None
+
+
+def _takes(t: Type) -> str:
+    """What a variable of a type may be given, for somebody who wrote a word."""
+    if isinstance(t, Enum):
+        return f": it takes {', '.join(t.values)}"
+    base = base_of(t)
+    if isinstance(base, String):
+        quote = '"' if base.wide else "'"
+        return f": it takes a text in {quote}{quote}"
+    if not isinstance(base, Elementary):
+        return ""
+    return ": it takes TRUE or FALSE" if base.kind == "bool" else ": it takes a number" if base.kind in _NUMBERS else ""
 
 
 def _literal(node: Literal, t: Type, path: str):

@@ -429,3 +429,17 @@ def test_ctrl_c(tmp_path, loop):
     assert done.returncode == 130, done.stderr
     assert "interrupted after" in done.stderr and "Traceback" not in done.stderr
     assert ("F0108" in done.stderr) == bool(loop)
+
+
+@pytest.mark.parametrize(
+    "given, takes",
+    [("b=maybe", "TRUE or FALSE"), ("n=abc", "a number"), ("s=abc", "a text in ''"), ("c=Grey", "Red, Green")],
+)
+def test_a_word_that_is_no_value_says_what_the_variable_takes(tmp_path, capsys, given, takes):
+    file = tmp_path / "p.st"
+    file.write_text(
+        "TYPE Colour : (Red, Green); END_TYPE\nPROGRAM P\n"
+        "VAR b : BOOL; n : INT; s : STRING; c : Colour; END_VAR\nEND_PROGRAM\n"
+    )
+    assert main(["run", str(file), "--scans", "1", "--set", given]) == 2
+    assert f"it takes {takes}; unknown variable" in capsys.readouterr().err

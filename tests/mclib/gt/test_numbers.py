@@ -68,12 +68,15 @@ def test_default_decelerations_of_stops_and_limits(gt):
 
 def test_figure_11_1_band_of_100_pulses_for_500_us():
     """The motor rests at 1000 pulses and oscillates; bit 11 comes 500 us after it has stayed inside of 100 pulses."""
-    plc = PLC.load("""PROGRAM PLC_PRG VAR once : BOOL; END_VAR
+    plc = PLC.load(
+        """PROGRAM PLC_PRG VAR once : BOOL; END_VAR
 IF NOT once THEN
     GT_SetPrfPos(1, 1000); GT_SynchAxisPos(1); GT_SetAxisBand(1, 100, 2);
     once := TRUE;
 END_IF
-END_PROGRAM""", interval="250us")
+END_PROGRAM""",
+        interval="250us",
+    )
     plc.scan()
     seen = []
     for away in (300, -200, 150, 99, -120, 80, -60, 40, -30, 101, 50, 50, 50):
