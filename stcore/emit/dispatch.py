@@ -50,6 +50,7 @@ class Dispatch:
                 blocks = [b for b in self.blocks if b.type.implements(holder.type)]
             else:
                 blocks = [b for b in self.blocks if b.type.extends(holder.type)]
+                blocks = [] if "PRIVATE" in method.tree.modifiers else blocks
             self.chosen[method] = {b.type.number: b.method(name) for b in blocks if b.method(name) is not None}
         return self.chosen[method]
 

@@ -282,15 +282,16 @@ METHOD Both : INT Both := 10 * Own() + Shared(); END_METHOD
 METHOD Shared : INT Shared := 2; END_METHOD
 END_FUNCTION_BLOCK
 FUNCTION_BLOCK B EXTENDS A
-METHOD Own : DINT Own := 8; END_METHOD
+METHOD Own : LREAL VAR_INPUT k : LREAL := 2; END_VAR Own := 4 * k; END_METHOD
 METHOD Shared : INT Shared := 9; END_METHOD
 END_FUNCTION_BLOCK
 """
-    r = run("x := a.Both(); y := b.Both(); z := b.Own();", "a : A; b : B; x, y : INT; z : DINT;", before)
+    r = run("x := a.Both(); y := b.Both(); z := b.Own();", "a : A; b : B; x, y : INT; z : LREAL;", before)
     assert (r["x"], r["y"], r["z"]) == (12, 19, 8)
 
 
 def test_a_block_of_the_library_is_extended():
-    before = "FUNCTION_BLOCK Mine EXTENDS TON METHOD Left : TIME Left := PT - ET; END_METHOD SUPER^(); END_FUNCTION_BLOCK"
+    method = "METHOD Left : TIME Left := PT - ET; END_METHOD"
+    before = f"FUNCTION_BLOCK Mine EXTENDS TON {method} SUPER^(); END_FUNCTION_BLOCK"
     r = Run(program("t(IN := TRUE, PT := T#5ms); left := t.Left();", "t : Mine; left : TIME;", before)).scan(3)
     assert (r["t.ET"], r["left"]) == (0.002, 0.003)
