@@ -5,6 +5,8 @@ import re
 import pytest
 from running import Run, errors, program, run
 
+from stcore.emit import inline
+
 SHAPES = """
 INTERFACE IShape
 METHOD Area : LREAL END_METHOD
@@ -295,3 +297,46 @@ def test_a_block_of_the_library_is_extended():
     before = f"FUNCTION_BLOCK Mine EXTENDS TON {method} SUPER^(); END_FUNCTION_BLOCK"
     r = Run(program("t(IN := TRUE, PT := T#5ms); left := t.Left();", "t : Mine; left : TIME;", before)).scan(3)
     assert (r["t.ET"], r["left"]) == (0.002, 0.003)
+
+
+CHANGES = """
+VAR_GLOBAL gv : INT; END_VAR
+INTERFACE I METHOD Go END_METHOD END_INTERFACE
+FUNCTION_BLOCK F IMPLEMENTS I
+VAR n, m : INT; END_VAR
+METHOD Inc n := n + 1; gv := gv + 1; END_METHOD
+METHOD Loop : INT
+VAR k : INT; END_VAR
+n := 0;
+FOR k := 1 TO 10 DO n := n + 1; Inc(); m := m + n; END_FOR
+Loop := n;
+END_METHOD
+METHOD Go n := n + 100; gv := gv + 100; END_METHOD
+METHOD Two : INT
+n := 1; Inc(); Two := n; n := 5; THIS^.Inc(); Two := Two * 10 + n;
+END_METHOD
+END_FUNCTION_BLOCK
+FUNCTION_BLOCK G EXTENDS F
+METHOD Inc n := n + 2; gv := gv + 2; END_METHOD
+METHOD Go SUPER^.Go(); n := n + 1; END_METHOD
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.mark.parametrize("size", [(0, 0), (120, 4000), (100_000, 100_000)], ids=["called", "as it is", "taken in"])
+def test_what_methods_change_is_read_again(size, monkeypatch):
+    for name, limit in zip(("SMALL", "ONCE"), size, strict=True):
+        monkeypatch.setattr(inline, name, limit)
+    r = run(
+        """gv := 5; f.Inc(); a := gv; gv := 7; ii := f; ii.Go(); b := gv; p := ADR(g); gv := 1; p^.Inc(); c := gv;
+        d := f.Loop(); e := g.Loop(); h := p^.Two(); j := f.Two(); gv := 0;
+        WHILE gv < 20 DO gv := gv + 1; p^.Inc(); END_WHILE k := gv; gv := 0;
+        REPEAT gv := gv + 1; f.Inc(); UNTIL gv >= 9 END_REPEAT l := gv;
+        FOR i := 1 TO 5 DO x := x + 1; f.Inc(); y := y + gv; IF x > 2 THEN ii.Go(); END_IF END_FOR z := gv;
+        FOR i := 1 TO 3 DO w[i].Inc(); w[i].Inc(); w[i].n := w[i].n * 2; END_FOR o := w[1].n + w[2].n + w[3].n;""",
+        "f : F; g : G; ii : I; p : POINTER TO F; a,b,c,d,e,h,j,k,l,i,x,y,z,o : INT; w : ARRAY[1..3] OF G;",
+        CHANGES,
+    )
+    assert [r[n] for n in ("a", "b", "c", "d", "e", "h", "j")] == [6, 107, 3, 20, 30, 37, 26]
+    assert [r[n] for n in ("k", "l", "x", "y", "z", "o")] == [21, 10, 5, 365, 315, 24]
+    assert [r[n] for n in ("f.n", "f.m", "g.n", "g.m")] == [316, 110, 21, 165]
