@@ -46,7 +46,11 @@ _TABLE = [
     ("diff [all]", "what the last movement changed; all: inside of library blocks too", "Variables"),
     ("axes [live|TIME]", "the axes in use; live until a key is pressed, or for a time, as the PLC runs", "Variables"),
     ("plot VAR... [to FILE]", "draw the scans so far in the terminal, or into .png, .svg, .html", "Recording"),
-    ("trace [VAR...|off|to FILE]", "record variables from now on; write them to .csv or .npz", "Recording"),
+    (
+        "trace [VAR...|off|to FILE]",
+        "record variables from now on, or around a trigger: trace x if x > 3 pre 50ms post 200ms; write .csv or .npz",
+        "Recording",
+    ),
     ("save [NAME]", "keep a snapshot by name; without NAME list them", "Recording"),
     ("load NAME", "return to a snapshot", "Recording"),
     ("help [COMMAND]", "this list, or one command", "Session"),

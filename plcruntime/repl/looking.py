@@ -17,6 +17,7 @@ from stcore.types import Block
 
 AROUND = 5  # lines above and below
 KEPT = 200_000  # scans that a plot repeats at most
+_TRIGGERED = re.compile(r"(.+?)(?:\s+if\s+(.+?)(?:\s+pre\s+(\S+))?(?:\s+post\s+(\S+))?)?", re.S | re.I)
 
 
 class Looking:
@@ -241,7 +242,7 @@ class Looking:
         trace = self.session.trace
         if not rest:
             rows = f"{counted(len(trace))} of {', '.join(trace.names)}" if trace else "nothing; trace VAR... begins"
-            self.session.say(f"recorded: {rows}")
+            self.session.say(f"recorded: {rows}{self._trigger_text(trace)}")
         elif rest.lower() == "off":
             if trace is None:
                 raise UsageError("nothing is recorded")
@@ -250,11 +251,22 @@ class Looking:
         elif match := re.fullmatch(r"to\s+(\S+)", rest, re.I):
             self._write_trace(match[1])
         else:
-            started = self.plc.trace(*rest.replace(",", " ").split())
+            match = _TRIGGERED.fullmatch(rest)
+            names, condition, pre, post = match.groups()
+            around = {"trigger": condition, "pre": pre or "50ms", "post": post or "200ms"} if condition else {}
+            started = self.plc.trace(*names.replace(",", " ").split(), **around)
             if trace is not None:
                 self.plc.stop_trace(trace)
             self.session.trace = started
-            self.session.say(f"recording {', '.join(started.names)}")
+            self.session.say(f"recording {', '.join(started.names)}{self._trigger_text(started)}")
+
+    @staticmethod
+    def _trigger_text(trace) -> str:
+        """What a trace with a trigger waits for, or when that came."""
+        if trace is None or trace.trigger is None:
+            return ""
+        when = "not yet" if trace.trigger.scan is None else f"in scan {trace.trigger.scan}"
+        return f"; '{trace.trigger.text}' came true: {when}"
 
     def _write_trace(self, file: str) -> None:
         trace = self.session.trace
@@ -264,4 +276,4 @@ class Looking:
         if suffix not in (".csv", ".npz"):
             raise UsageError(f"{file}: the name must end with .csv or .npz")
         (trace.to_csv if suffix == ".csv" else trace.to_npz)(file)
-        self.session.say(f"wrote {file}: {counted(len(trace))}")
+        self.session.say(f"wrote {file}: {counted(len(trace))}{self._trigger_text(trace)}")

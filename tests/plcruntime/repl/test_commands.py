@@ -283,3 +283,22 @@ def test_a_list_of_values_that_is_wrong_says_why(prompt):
     assert "not an array" in prompt("set n := [1]")
     assert prompt("set n := (1 + 2) * 3") == "" and prompt("n") == "9"
     assert prompt("FOR zz := 1 TO 3 DO END_FOR") == "zz is not declared"
+
+
+def test_a_trace_around_a_trigger(prompt, tmp_path):
+    said = prompt("trace n, p.x if n >= 20 pre 3ms post 2ms")
+    assert said == "recording PLC_PRG.n, PLC_PRG.p.x; 'n >= 20' came true: not yet"
+    prompt("run 10ms")
+    assert prompt("trace").startswith("recorded: 3 scans") and prompt("trace").endswith("not yet")
+    prompt("run 90ms")
+    assert prompt("trace") == "recorded: 6 scans of PLC_PRG.n, PLC_PRG.p.x; 'n >= 20' came true: in scan 19"
+    prompt(f"trace to {tmp_path / 'out.csv'}")
+    rows = (tmp_path / "out.csv").read_text().splitlines()[1:]
+    assert [int(row.split(",")[1]) for row in rows] == list(range(17, 23))
+    prompt("back 85")
+    assert prompt("trace").endswith("not yet")
+    prompt("run 50ms")
+    assert prompt("trace").startswith("recorded: 6 scans")
+    assert prompt("trace n if nothing > 3") == "nothing is not declared"
+    assert "BOOL" in prompt("trace n if n") and "duration" in prompt("trace n if n > 3 pre soon")
+    assert prompt("trace").startswith("recorded: 6 scans")  # the one before goes on
