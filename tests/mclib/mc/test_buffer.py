@@ -321,3 +321,36 @@ def test_a_home_behind_a_halt_forgets_what_was_superimposed(bench):
     bench["calm"] = False  # homing sets the position
     bench.until("relative.Done")
     assert bench["ax.fSetPosition"] == pytest.approx(17.0) and bench["ax.fActPosition"] == pytest.approx(17.0)
+
+
+FIRST = {"first": {"Position": 300.0}, "relative": {"Distance": 300.0}, "additive": {"Distance": 300.0}}
+FOLLOWING = {
+    "third": ("Done", {"Position": 800.0}), "relative": ("Done", {"Distance": 500.0}),
+    "additive": ("Done", {"Distance": 500.0}), "velocity": ("InVelocity", {"Direction": 1}),
+    "onward": ("InEndVelocity", {"Position": 800.0, "EndVelocity": 100.0}),
+    "further": ("InEndVelocity", {"Distance": 500.0, "EndVelocity": 100.0}),
+    "smcFurther": ("InEndVelocity", {"Distance": 500.0, "EndVelocity": 100.0}),
+}  # fmt: skip
+
+
+def test_every_pair_blends_with_the_velocity_of_its_mode(bench):
+    """PLCopen Part 1, table 3: 300 u with 400 u/s, then 500 u with 700 u/s."""
+    snapshot = bench.plc.snapshot()
+    for first, inputs in FIRST.items():
+        for block, (output, others) in FOLLOWING.items():
+            for mode, at in ((BUFFERED, 0), (LOW, 400), (PREVIOUS, 400), (NEXT, 700), (HIGH, 700)):
+                if block == first:
+                    continue
+                bench.plc.restore(snapshot)
+                bench["mark"] = 300.0
+                bench.start(first, 5, Velocity=400.0, **inputs)
+                bench.start(block, Velocity=700.0, BufferMode=mode, **others)
+                bench.plc.run_until(f"PLC_PRG.{first}.Done")
+                assert bench["atMark"] == pytest.approx(at, abs=20.1), (first, block, mode)
+                bench.plc.run_until(f"PLC_PRG.{block}.{output}")
+                bench.scan()
+                speed = {"Done": 0.0, "InVelocity": 700.0, "InEndVelocity": 100.0}[output]
+                assert bench["ax.fSetVelocity"] == pytest.approx(speed), (first, block, mode)
+                if output != "InVelocity":
+                    place = pytest.approx(800.0, abs=0.0 if speed == 0.0 else 0.3)
+                    assert bench["ax.fSetPosition"] == place, (first, block, mode)
