@@ -113,12 +113,22 @@ def file(t, a, b, v):
         for part in unit if isinstance(unit, list) else [unit]:
             if not _is_member(part):
                 units.append(part)
-            elif units and isinstance(units[-1], s.Pou) and units[-1].kind != "INTERFACE":
+            elif units and isinstance(units[-1], s.Pou) and _may_have(units[-1].kind, part):
                 units[-1].parts.append(part)
             else:
-                what = "ACTION" if isinstance(part, s.Action) else s.WRITTEN[part.kind]
-                t.report("E0122", part.name_start, part.name_start + len(part.name), what=what, name=part.name)
+                _report_lost(t, part)
     return s.File(0, len(t.tokens.source.text), units, t.tokens.file_attributes)
+
+
+def _report_lost(t, part: s.Node) -> None:
+    """An action or method where there is nothing that it could belong to."""
+    what = "ACTION" if isinstance(part, s.Action) else s.WRITTEN[part.kind]
+    t.report("E0122", part.name_start, part.name_start + len(part.name), what=what, name=part.name)
+
+
+def _may_have(kind: str, part: s.Node) -> bool:
+    """Whether a POU of this kind can have an action, or a method."""
+    return kind in ("PROGRAM", "FUNCTION_BLOCK") or kind == "FUNCTION" and isinstance(part, s.Action)
 
 
 def _is_member(unit: s.Node) -> bool:
@@ -152,7 +162,9 @@ def function_block(t, a, b, v):
 
 
 def function(t, a, b, v):
-    _, modifiers, name, generics, result, sections, body, _ = v
+    _, modifiers, name, generics, result, sections, methods, body, _ = v
+    for part in methods:
+        _report_lost(t, part)
     return _pou(t, a, b, "FUNCTION", name, modifiers, result, generics, sections, body)
 
 

@@ -95,7 +95,11 @@ def _family(project: Project, tree: s.Pou, library: bool) -> Iterator[s.Pou]:
 
 
 def _interface(d: Declarer, tree: s.Pou, name: str) -> Pou | None:
-    found = d.project.lookup(name.rpartition(".")[2], d.library)
+    name = name.rpartition(".")[2]
+    if d.being_declared(name) is not None:
+        _at_name(d, tree, "E0212", name=tree.name, base=name, why="it extends this one")
+        return None
+    found = d.project.lookup(name, d.library)
     if isinstance(found, Pou) and found.kind == "INTERFACE":
         return found
     if found is None:

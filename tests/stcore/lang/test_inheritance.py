@@ -187,6 +187,8 @@ def test_one_clear_error(body, code, words):
     "units, code, words",
     [
         ("FB B EXTENDS Missing END_FB", "E0202", "Missing"),
+        ("INTERFACE I EXTENDS J END_INTERFACE INTERFACE J EXTENDS I END_INTERFACE", "E0212", "it extends this one"),
+        ("FUNCTION F : INT END_FUNCTION METHOD m END_METHOD", "E0122", "the METHOD m belongs to no"),
         ("FB B EXTENDS F END_FB FUNCTION F : INT END_FUNCTION", "E0212", "no FUNCTION_BLOCK"),
         ("FB B EXTENDS I END_FB INTERFACE I END_INTERFACE", "E0212", "no FUNCTION_BLOCK"),
         ("FB B IMPLEMENTS A END_FB FB A END_FB", "E0212", "no INTERFACE"),
