@@ -9,7 +9,7 @@ from plcruntime.repl import store
 from plcruntime.repl.commands import COMMANDS, split
 from plcruntime.repl.session import Session
 from stcore import paths
-from stcore.paths import PathError, Place
+from stcore.paths import PathError
 from stcore.program import Program
 from stcore.types import BOOL, Block, Enum, Interface, Pointer, Struct
 
@@ -73,20 +73,10 @@ def _values(session: Session, before: str) -> list[str]:
     if not match:
         return []
     try:
-        kind = _place(session, match[1]).type
+        kind = session.place(match[1]).type
     except PathError:
         return []
     return list(kind.values) if isinstance(kind, Enum) else ["FALSE", "TRUE"] if kind is BOOL else []
-
-
-def _place(session: Session, path: str) -> Place:
-    """Where a path leads; the names of the POU that a scan waits in come first. Raises PathError."""
-    if session.debugger.stop is not None:
-        try:
-            return session.plc.place(f"{session.debugger.stop.instance}.{path}")
-        except PathError:
-            pass  # no name of that POU
-    return session.plc.place(path)
 
 
 def _members(session: Session, head: str) -> list[str]:
@@ -94,7 +84,7 @@ def _members(session: Session, head: str) -> list[str]:
     plc = session.plc
     lists = [v.path.rpartition(".")[2] for k, v in plc.program.variables.items() if k.startswith(head.upper() + ".")]
     try:
-        kind = _place(session, head).type
+        kind = session.place(head).type
     except PathError:
         return lists
     if isinstance(kind, Pointer) and kind.reference:

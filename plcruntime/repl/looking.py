@@ -78,16 +78,19 @@ class Looking:
 
     def do_set(self, rest: str) -> None:
         name, value = self._assignment(rest, "set")
-        if self.debugger.stop is None:
-            self.plc.place(name)
+        several = re.match(r"\[|\(\s*\w+\s*:=", value)  # no ST outside of declarations
+        if several or self.debugger.stop is None:
+            path = self.session.place(name).name if self.debugger.stop else name
+            self.plc.place(path)
             try:
-                parsed = self.plc.parse_value(name, value)
+                parsed = self.plc.parse_value(path, value)
             except (TypeError, ValueError, PathError):
-                if re.match(r"\[|\(\s*\w+\s*:=", value):
+                if several:
                     raise
                 # not a literal of that type: an expression
             else:
-                self.plc[name] = parsed
+                self.plc[path] = parsed
+                self.debugger.touch()
                 return
         self.debugger.evaluate(f"{name} := {value};")
 

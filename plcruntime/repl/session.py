@@ -184,6 +184,15 @@ class Session:
 
     # --------------------------------------------------------------------------------------------- names
 
+    def place(self, path: str) -> Place:
+        """Where a path leads; the names of the POU that a scan waits in come first. Raises PathError."""
+        if self.debugger.stop is not None:
+            try:
+                return self.plc.place(f"{self.debugger.stop.instance}.{path}")
+            except PathError:
+                pass  # no name of that POU
+        return self.plc.place(path)
+
     def is_variable(self, name: str) -> bool:
         """Whether a word is a variable here; it then wins over a command's abbreviation."""
         stop = self.debugger.stop

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from pathlib import Path
 
 from stcore import syntax as s
@@ -51,7 +52,7 @@ class ModuleEmitter:
         self.functions: list[str] = []
         self.externals: list[External] = []
         self.needed: dict[str, tuple[Pou, s.Action | None]] = {}
-        self.queue: list[tuple[str, Pou, s.Action | None, int | None]] = []
+        self.queue: deque[tuple[str, Pou, s.Action | None, int | None]] = deque()
         self.late_codes: dict[tuple[s.Node, int], str] = {}  # initial value and offset -> function
         self.dispatch = Dispatch([*project.reached], self.need, self._no_instance)
         self.copies: set[str] = set()  # of programs, for instances after the first
@@ -282,7 +283,8 @@ class ModuleEmitter:
 
     def _drain(self) -> None:
         while self.queue:
-            name, pou, action, address = self.queue.pop()
+            # callers first: what has one call is taken in where the tasks run it
+            name, pou, action, address = self.queue.popleft()
             emitter = FunctionEmitter(self, pou, pou.source, address)
             body = pou.tree.body if action is None else action.body
             self.functions.append(emitter.code(body, name))

@@ -58,24 +58,25 @@ def _binary(node: s.Binary, known: dict[Var, Range]) -> Range | None:
 
 def walk(node: object):
     """Every node below (and with) this one."""
-    if isinstance(node, s.Node):
-        yield node
-        symbol = getattr(node, "symbol", None)
-        if isinstance(symbol, BuiltinCall):
-            yield from walk(symbol.args)
-            return
-        if isinstance(symbol, MethodCall):
-            yield from walk(symbol.base)
-        if isinstance(symbol, FunctionCall):
-            yield from walk([v for _, v in (*symbol.values, *symbol.outputs)])
-            yield from walk([symbol.en, symbol.eno])
-            return
-        if isinstance(symbol, BlockCall):
-            yield from walk([v for _, v in (*symbol.inputs, *symbol.in_outs, *symbol.outputs)])
-            yield from walk([symbol.instance, symbol.en, symbol.eno])
-            return
-        for name in node.fields:
-            yield from walk(getattr(node, name))
-    elif isinstance(node, list | tuple):
-        for item in node:
-            yield from walk(item)
+    todo = [node]
+    while todo:
+        node = todo.pop()
+        if isinstance(node, s.Node):
+            yield node
+            todo += reversed(_parts(node))
+        elif isinstance(node, list | tuple):
+            todo += reversed(node)
+
+
+def _parts(node: s.Node) -> list:
+    """What is worked out for a node; of a call as the checker understood it."""
+    symbol = getattr(node, "symbol", None)
+    if isinstance(symbol, BuiltinCall):
+        return list(symbol.args)
+    first = [symbol.base] if isinstance(symbol, MethodCall) else []
+    if isinstance(symbol, FunctionCall):
+        return [*first, *(v for _, v in (*symbol.values, *symbol.outputs)), symbol.en, symbol.eno]
+    if isinstance(symbol, BlockCall):
+        values = [v for _, v in (*symbol.inputs, *symbol.in_outs, *symbol.outputs)]
+        return [*first, *values, symbol.instance, symbol.en, symbol.eno]
+    return [*first, *(getattr(node, name) for name in node.fields)]

@@ -284,6 +284,14 @@ def test_more_conditions_than_the_module_has_room_for(loop):
     assert 20 < len(loop.calls) < 20 + 5 * 41  # four were asked by the host
 
 
+def test_lists_of_values_are_set_in_the_middle_of_a_scan(prompt, line_of):
+    prompt.all("next", "set p := (x := 2.5)", "set arr := [7, 8]")
+    assert prompt("p") == "(x := 2.5, y := 0.0)" and prompt("arr") == "[7, 8, 3]"
+    assert prompt("set arr := [1, 2, 3, 4]").startswith("PLC_PRG.arr") and prompt("arr") == "[7, 8, 3]"
+    prompt.all(f"break Acc:{line_of('sum := sum')}", "continue", "set d := 40", "step")
+    assert prompt("p.x") == "3.0"
+
+
 def test_the_variables_of_both_builds_of_a_motion_program_lie_alike():
     file = Path(__file__).parents[3] / "examples_st" / "gt_jog.st"
     plain, _ = build(file)
