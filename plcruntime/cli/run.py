@@ -322,13 +322,16 @@ class Run:
             print(f"{self.returns.lost} more commands did not return 0: too many to note them")
 
     def _print_summary(self) -> None:
+        from plcruntime import layout
+
         plc = self.plc
         seconds = plc.run_seconds
         speed = f", {plc.time / seconds:,.0f} times real time" if seconds and not self.arguments.realtime else ""
-        print(
+        text = (
             f"{plc.scans} scans of {durations.text(round(plc.interval * 1e9))}: {plc.time:.9g} s of virtual time "
             f"in {seconds:.3g} s{speed}; stopped: {self.stopped}"
         )
+        print("\n".join(layout.broken(text, layout.width())))
 
     def _write_files(self, code: int) -> int:
         """Gives the exit code: a file that can't be written changes it, unless something worse happened."""

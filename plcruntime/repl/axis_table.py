@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from plcruntime import layout
 from plcruntime.axes import ROOT
 from plcruntime.plc import PLC
-from plcruntime.repl import layout
 from stcore.paths import instance_at
 from stcore.values import decode
 

@@ -6,8 +6,8 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from plcruntime import layout
 from plcruntime.errors import UsageError
-from plcruntime.repl import layout
 from plcruntime.repl.looking import Looking
 from plcruntime.repl.moving import Moving
 

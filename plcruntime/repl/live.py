@@ -9,8 +9,9 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from plcruntime import layout
 from plcruntime.plc import PLC
-from plcruntime.repl import axis_table, layout
+from plcruntime.repl import axis_table
 
 FRAME = 0.1  # s of wall clock between two pictures
 _ANSWER = re.compile(rb"\x1b\[\d+;\d+R")  # of a busy terminal, late, to the prompt's question where its cursor is

@@ -6,9 +6,10 @@ import fnmatch
 import re
 from pathlib import Path
 
+from plcruntime import layout
 from plcruntime.debugger import Outcome
 from plcruntime.errors import UsageError
-from plcruntime.repl import axis_table, chart, layout
+from plcruntime.repl import axis_table, chart
 from plcruntime.repl.moving import ENDLESS
 from plcruntime.repl.session import counted
 from stcore import paths

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
+from plcruntime import layout
 from plcruntime.debugger import Debugger, Outcome, Stop
 from plcruntime.plc import PLC
-from plcruntime.repl import layout
 from plcruntime.trace import Trace
 from plcruntime.warnings import RunWarning
 from stcore import paths, values

@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 from plcruntime import PLC
+from plcruntime.layout import broken, table
 from plcruntime.repl import axis_table, live
 from plcruntime.repl.chart import draw
 from plcruntime.repl.completion import candidates
 from plcruntime.repl.entry import incomplete
-from plcruntime.repl.layout import broken, table
 from plcruntime.repl.session import Session
 
 COMMAND = [sys.executable, "-m", "plcruntime", "repl"]

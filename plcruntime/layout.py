@@ -1,4 +1,4 @@
-"""Text at the prompt: what is longer than a line of the terminal is broken between words, tables within their columns.
+"""Text in a terminal: what is longer than a line is broken between words, tables within their columns.
 
 rich would take longer to load than an answer may. Nothing is broken for a pipe or a file.
 """
