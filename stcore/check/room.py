@@ -23,12 +23,18 @@ def room_argument(call: s.Call, parameter: Var, values: list[tuple[Var, s.Node |
 
 
 def whole(place: s.Node) -> s.Node | None:
-    """The variable that an element belongs to: the array of a[i]. None where p[i] or an ARRAY[*] does not tell."""
-    while isinstance(place, s.Index):  # an array inside of an array goes on in its neighbour
+    """The variable that a part belongs to: the array of a[i], the structure of p.x. None where p[i] or an ARRAY[*]
+    does not tell."""
+    while isinstance(place, s.Index) or _goes_on(place):  # an array inside of an array goes on in its neighbour
         place = place.base
         if isinstance(place.type, t.Pointer) or getattr(place.type, "open", 0):
             return None
     return place
+
+
+def _goes_on(place: s.Node) -> bool:
+    """A single value of a structure: x, y and z of a point are read with count 3."""
+    return isinstance(place, s.Member) and isinstance(place.base.type, t.Struct) and not t.is_aggregate(place.type)
 
 
 def _place(value: s.Node | None) -> s.Node | None:

@@ -130,7 +130,8 @@ END_PROGRAM""")
 
 
 def test_structures_instances_functions_and_arrays_of_arrays():
-    """Wherever the variable lies its end counts; an array inside of an array goes on in its neighbour."""
+    """Wherever the variable lies its end counts; an array inside of an array goes on in its neighbour, a single value
+    in the next one of its structure."""
     plc = PLC.load("""
 TYPE Row : STRUCT before : LREAL; v : ARRAY[1..2] OF LREAL; after : LREAL; END_STRUCT END_TYPE
 FUNCTION Local : INT
@@ -157,8 +158,8 @@ END_VAR
 rtn[0] := GT_GetPrfPos(1, ADR(row[k].v), 2);
 rtn[1] := GT_GetPrfPos(1, ADR(row[k].v), 3);
 rtn[2] := GT_GetPrfPos(1, ADR(row[k].v[k + 1]), 2);
-rtn[3] := GT_GetPrfPos(1, ADR(row[k].before), 1);
-rtn[4] := GT_GetPrfPos(1, ADR(row[k].before), 2);
+rtn[3] := GT_GetPrfPos(1, ADR(row[k].before), 4);
+rtn[4] := GT_GetPrfPos(1, ADR(row[k].before), 5);
 rtn[5] := Local(3);
 rtn[6] := Local(4);
 rtn[7] := Given(v, 1, 2);
@@ -232,8 +233,8 @@ PROGRAM PLC_PRG
 VAR one, two : Row; wide : LWORD; rtn : ARRAY[0..7] OF INT; taken : DWORD; END_VAR
 rtn[0] := Read(ADR(one.v), 2);
 rtn[1] := Read(ADR(one.v), 3);
-rtn[2] := Read(ADR(one.before), 1);
-rtn[3] := Read(ADR(one.before), 2);
+rtn[2] := Read(ADR(one.before), 3);
+rtn[3] := Read(ADR(one.before), 4);
 taken := ADR(two);
 rtn[4] := Read(ADR(two.before), 3);
 rtn[5] := Read(ADR(two.before), 4);
