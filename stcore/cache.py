@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 # the files whose change makes stored trees worthless
 _PARSER = (
     "lexer", "pragmas", "tables", "parser", "build", "build_statements", "literals", "mend", "repair", "repair_search",
-    "blocks", "words", "syntax", "codes", "cache", "depth",
+    "blocks", "words", "soft_words", "typeset", "syntax", "codes", "cache", "depth",
 )  # fmt: skip
 
 _problem = ""
