@@ -14,7 +14,7 @@ from plcruntime.trace import Trace
 from stcore.paths import PathError, Place
 from stcore.program import TRACE
 
-BUFFER = 1 << 22  # bytes of changes between two looks of the host
+BUFFER = 1 << 23  # bytes of changes between two looks of the host
 BLOCK = 2 * WORD
 WORDS = 1 << 16  # of a row at most
 MOST = 1 << 16  # times that 16 rows are searched

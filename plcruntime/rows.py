@@ -40,7 +40,7 @@ class Keeper:
         part = self._arena[self._used : self._used + len(data)]
         part[:] = data
         self._used += len(data)
-        if self._next is None and self._used > ARENA // 2:
+        if self._next is None and self._used >= ARENA // 2:
             self._next = _helper().submit(_touched)
         return part
 

@@ -130,25 +130,27 @@ class Declarer:
             return default
         return value
 
-    def _array(self, node: s.ArrayOf, pou: Pou | None) -> t.Array:
+    def _array(self, node: s.ArrayOf, pou: Pou | None) -> t.Type:
         element = self.type(node.element, pou=pou)
         bounds = self._bounds(node, pou)
+        if bounds is None:
+            return t.ERROR
         array = t.Array(element, bounds, 0 if bounds else len(node.dims))
         if isinstance(node.element, s.NamedType) and key(node.element.name) in self.project.type_inits:
             self.project.element_inits[array] = self.project.type_inits[key(node.element.name)]
         return array
 
-    def _bounds(self, node: s.ArrayOf, pou: Pou | None) -> list[tuple[int, int]]:
-        bounds = []
+    def _bounds(self, node: s.ArrayOf, pou: Pou | None) -> list[tuple[int, int]] | None:
+        """Lowest and highest index of each dimension; none for ARRAY[*], None where one is wrong."""
+        bounds, said = [], len(self.project.reporter.diagnostics)
         for dim in node.dims:
             if dim is None:
                 return []
             low, high = (self._integer(b, pou, 0) for b in dim)
-            if high < low:
+            if len(self.project.reporter.diagnostics) == said and high < low:
                 self.project.reporter.add("E0205", self.source, dim[0].start, dim[1].end, low=low, high=high)
-                high = low
             bounds.append((low, high))
-        return bounds
+        return bounds if len(self.project.reporter.diagnostics) == said else None
 
     def _enum(self, node: s.EnumDef, name: str, pou: Pou | None) -> t.Enum:
         base = t.base_of(self.named(s.NamedType(node.start, node.end, node.base, None), pou)) if node.base else t.INT

@@ -33,6 +33,13 @@ class Context:
         if not self.library:  # the library's own business
             self.report(code, node, **fields)
 
+    def no_member(self, node: s.Node, name: str, kind: t.Type, known: list[str]) -> None:
+        """Told once a type and name: it may well be that another type was meant."""
+        mark = f"{kind.name}.{key(name)}"
+        if mark not in self.unknown:
+            self.unknown.add(mark)
+            self.error("E0306", node, name=name, type=kind.name, near=near(name, known))
+
     def text(self, node: s.Node) -> str:
         """The source text of a node."""
         return self.source.text[node.start : node.end]

@@ -5,7 +5,6 @@ from __future__ import annotations
 from stcore import syntax as s
 from stcore import types as t
 from stcore.check.conversions import Conversions
-from stcore.near import near
 from stcore.scope import Init, Var, key
 
 
@@ -77,7 +76,7 @@ class Initials(Conversions):
                 pou = self.project.block_pous.get(kind)
                 if pou is not None and pou.incomplete:
                     continue
-                self.error("E0306", arg, name=arg.name, type=kind.name, near=near(arg.name or "", known))
+                self.no_member(arg, arg.name or "", kind, known)
                 continue
             if arg.value is not None:
                 items.append((field, self.initial(arg.value, field.type)))

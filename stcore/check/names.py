@@ -193,7 +193,7 @@ class Names(Conversions):
                 if self.project.block_pous[kind].incomplete:
                     return self.wrong(node)
                 known += [m.name for p in self.project.block_pous[kind].chain() for m in p.methods.values()]
-            self.error("E0306", node, name=node.name, type=kind.name, near=near(node.name, known))
+            self.no_member(node, node.name, kind, known)
             return self.wrong(node)
         node.type, node.symbol = field.type, field
         if field.constant and isinstance(kind, t.Block):

@@ -104,7 +104,7 @@ class FakeMachine:
 
     def __init__(self, program: Program, host: dict) -> None:
         self.program = program
-        self._bytes = bytearray(1 << 23)
+        self._bytes = bytearray(1 << 24)
         self._top = program.limit
         self._until = []
         self.calls: list[int] = []

@@ -209,3 +209,16 @@ def test_memory_that_is_made_at_run_time_is_one_clear_error():
 
 def test_isvalidref_is_for_references():
     assert [d.code for d in errors(program("b := __ISVALIDREF(i);", "b : BOOL; i : INT;"))] == ["E0501"]
+
+
+def test_an_array_with_wrong_bounds_is_one_error():
+    text = program(
+        "a[1] := 2; b[3] := a[2]; FOR n := 0 TO 3 DO a[n] := b[n]; END_FOR",
+        "n : INT := 3; a : ARRAY[1..n] OF INT := [1, 2, 3]; b : ARRAY[5..2] OF INT;",
+    )
+    assert [d.code for d in errors(text)] == ["E0601", "E0205"]
+
+
+def test_a_member_that_a_type_lacks_is_told_once():
+    text = program("n := t.nosuch; n := t.NoSuch; t.other := 1;", "n : INT; t : TON;")
+    assert [d.message for d in errors(text)] == ["TON has no member nosuch", "TON has no member other"]
