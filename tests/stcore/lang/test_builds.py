@@ -32,6 +32,8 @@ FUNCTION_BLOCK Holder
 VAR inner : Inner; END_VAR
 inner.x := inner.x + 100;
 END_FUNCTION_BLOCK
+FUNCTION_BLOCK Base g := g + 1; METHOD M g := g + 3; END_METHOD END_FUNCTION_BLOCK
+FUNCTION_BLOCK Derived EXTENDS Base g := g + 10; METHOD M g := g + 30; END_METHOD END_FUNCTION_BLOCK
 FUNCTION_BLOCK Target
 VAR x, y, z, i : DINT; END_VAR
 x := 1; toReal^ := 2; y := x;
@@ -41,9 +43,11 @@ END_FUNCTION_BLOCK
 """
 DECLARATIONS = """a : ARRAY[0..5] OF DINT := [10, 11, 12, 13, 14, 15]; x, y : DINT; d : DWORD; w : Writer; s : Sum;
  pair : ARRAY[0..9] OF Pair; t : Target; i : DINT := 3;
- p : POINTER TO DWORD;"""
+ base : Base; derived : Derived; pb : POINTER TO Base; p : POINTER TO DWORD;"""
 CASES = {
     "a block that changes a global": ("g := 1; w(); x := g;", {"x": 2}),
+    "a block that the instance decides": ("g := 1; pb := ADR(derived); pb^(); x := g;", {"x": 11}),
+    "a method that the instance decides": ("g := 1; pb := ADR(derived); pb^.M(); x := g;", {"x": 31}),
     "a call in the place": ("g := 1; a[Next()] := g;", {"a[2]": 2}),
     "LIMIT": ("g := 1; x := LIMIT(g, Next(), 10); g := 1; y := LIMIT(Next(), g, 10);", {"x": 2, "y": 2}),
     "MUX": ("g := 1; x := MUX(Next(), 10, g, g, 20);", {"x": 2}),
