@@ -1,12 +1,18 @@
 """The optimised build does what the build with probes does, which calls all and keeps every variable in memory."""
 
+from random import Random
+
 import pytest
+from random_units import Units
 from running import program
 
 from stcore import paths, values
 from stcore.build_program import build
 from stcore.compiler import LIBRARY
+from stcore.emit import inline
+from stcore.faults import Fault
 from stcore.machine import Machine
+from stcore.program import NULL_PAGE
 from stcore.source import Source
 
 UNITS = """
@@ -80,3 +86,26 @@ def test_the_same(case, probes):
         return values.read(machine.memory, paths.resolve(made, path if path[:6] == "gHold." else f"PLC_PRG.{path}"))
 
     assert {path: value(path) for path in expected} == expected
+
+
+def left(text: str, probes: bool) -> list:
+    """After each of some scans: the memory, and the fault if there was one."""
+    made, _ = build([Source(text, "units.st")], None, [LIBRARY], False, probes)
+    machine, found = Machine(made), []
+    for _ in range(4):
+        try:
+            machine.run(1)
+        except Fault as fault:
+            found.append((fault.code, fault.message, fault.line, fault.column, fault.instance))
+        found.append(bytes(machine.memory[NULL_PAGE : made.state_end]))
+    return found
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_units(seed, monkeypatch):
+    """Every third program with all code taken in that can be."""
+    if seed % 3 == 0:
+        monkeypatch.setattr(inline, "SMALL", 100_000)
+        monkeypatch.setattr(inline, "ONCE", 100_000)
+    text = Units(Random(seed), faults=[0, 0.02, 0.1, 0.02][seed % 4]).program()
+    assert left(text, False) == left(text, True)
