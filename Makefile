@@ -43,8 +43,9 @@ $(STAMP): pyproject.toml requirements.lock
 demo: install
 	@$(BIN)/scancycle demo
 
+# Each process takes its tests one after the other and then from the others: they share what a file has loaded.
 test: install
-	@$(BIN)/python -m pytest -n $(JOBS) -q $(ARGS)
+	@$(BIN)/python -m pytest -n $(JOBS) --dist worksteal -q $(ARGS)
 
 bench: install
 	@$(BIN)/python benchmarks/run.py $(ARGS)

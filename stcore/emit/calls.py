@@ -9,7 +9,7 @@ from stcore import types as t
 from stcore.check.calls import BlockCall, FunctionCall
 from stcore.check.methods import MethodCall
 from stcore.emit import values
-from stcore.emit.changes import acts
+from stcore.emit.changes import acts, may_hold
 from stcore.emit.dispatch import signature
 from stcore.emit.expressions import Expressions
 from stcore.emit.image import InitCall
@@ -214,10 +214,12 @@ class Calls(Expressions):
                 for i, bound in enumerate(x for pair in self.bounds_of(place) for x in pair):
                     self.line(store(t.DINT, base, offset + parameter.address + 4 + 4 * i, bound))
         self.mark(node, note=self.source.text[node.callee.start : node.callee.end])
-        if call.pou.kind == "PROGRAM":
+        decides = self._decides(call)
+        if call.pou.kind == "PROGRAM" or decides or may_hold(call.instance):
             self.forget(node)
+        if call.pou.kind == "PROGRAM":
             self.line(f"(call {self.module.need_instance(call.pou, None, offset)})")
-        elif self._decides(call):
+        elif decides:
             name = self.module.dispatch.body(call.pou)
             self.line(f"(call {name} {address(base, offset)})")
         elif not self.inline_block(call.pou, base, offset, places, given):

@@ -42,7 +42,7 @@ def _root(place: s.Node) -> Var | Pou | None:
                 return None
 
 
-def _may_hold(instance: s.Node) -> bool:
+def may_hold(instance: s.Node) -> bool:
     """True if an instance that is called may be the one that calls, or hold it: it is no part of that one."""
     root = _root(instance)
     return not isinstance(root, Var) or root.storage not in ("this", "local")
@@ -116,9 +116,9 @@ class Changes:
             if call.pou.writes_outside or call.pou.external:
                 self.library |= call.pou.library
                 self.anything |= not call.pou.library
-            self.own |= call.pou is self.pou or isinstance(call, BlockCall) and _may_hold(call.instance)
+            self.own |= call.pou is self.pou or isinstance(call, BlockCall) and may_hold(call.instance)
             if isinstance(call, MethodCall):
-                self.own |= call.base is None or _may_hold(call.base)
+                self.own |= call.base is None or may_hold(call.base)
                 self.anything |= not call.bound
             elif isinstance(call, BlockCall):
                 self.anything |= call.decides

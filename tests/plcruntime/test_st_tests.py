@@ -157,7 +157,9 @@ def test_what_is_no_test(tmp_path):
     )
     file = TestFile(tmp_path / "test_b.st")
     messages = [file.run(t).message for t in file.tests]
-    assert messages == ["a test takes no parameters", "a FUNCTION_BLOCK can't be a test; PROGRAM, FUNCTION and METHOD can"]
+    assert messages == [
+        "a test takes no parameters", "a FUNCTION_BLOCK can't be a test; PROGRAM, FUNCTION and METHOD can"
+    ]  # fmt: skip
 
 
 # ------------------------------------------------------------------------------------------------- command

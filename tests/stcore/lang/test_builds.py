@@ -1,12 +1,18 @@
 """The optimised build does what the build with probes does, which calls all and keeps every variable in memory."""
 
+from random import Random
+
 import pytest
+from random_units import Units
 from running import program
 
 from stcore import paths, values
 from stcore.build_program import build
 from stcore.compiler import LIBRARY
+from stcore.emit import inline
+from stcore.faults import Fault
 from stcore.machine import Machine
+from stcore.program import NULL_PAGE
 from stcore.source import Source
 
 UNITS = """
@@ -32,6 +38,8 @@ FUNCTION_BLOCK Holder
 VAR inner : Inner; END_VAR
 inner.x := inner.x + 100;
 END_FUNCTION_BLOCK
+FUNCTION_BLOCK Base g := g + 1; METHOD M g := g + 3; END_METHOD END_FUNCTION_BLOCK
+FUNCTION_BLOCK Derived EXTENDS Base g := g + 10; METHOD M g := g + 30; END_METHOD END_FUNCTION_BLOCK
 FUNCTION_BLOCK Target
 VAR x, y, z, i : DINT; END_VAR
 x := 1; toReal^ := 2; y := x;
@@ -41,9 +49,11 @@ END_FUNCTION_BLOCK
 """
 DECLARATIONS = """a : ARRAY[0..5] OF DINT := [10, 11, 12, 13, 14, 15]; x, y : DINT; d : DWORD; w : Writer; s : Sum;
  pair : ARRAY[0..9] OF Pair; t : Target; i : DINT := 3;
- p : POINTER TO DWORD;"""
+ base : Base; derived : Derived; pb : POINTER TO Base; p : POINTER TO DWORD;"""
 CASES = {
     "a block that changes a global": ("g := 1; w(); x := g;", {"x": 2}),
+    "a block that the instance decides": ("g := 1; pb := ADR(derived); pb^(); x := g;", {"x": 11}),
+    "a method that the instance decides": ("g := 1; pb := ADR(derived); pb^.M(); x := g;", {"x": 31}),
     "a call in the place": ("g := 1; a[Next()] := g;", {"a[2]": 2}),
     "LIMIT": ("g := 1; x := LIMIT(g, Next(), 10); g := 1; y := LIMIT(Next(), g, 10);", {"x": 2, "y": 2}),
     "MUX": ("g := 1; x := MUX(Next(), 10, g, g, 20);", {"x": 2}),
@@ -76,3 +86,26 @@ def test_the_same(case, probes):
         return values.read(machine.memory, paths.resolve(made, path if path[:6] == "gHold." else f"PLC_PRG.{path}"))
 
     assert {path: value(path) for path in expected} == expected
+
+
+def left(text: str, probes: bool) -> list:
+    """After each of some scans: the memory, and the fault if there was one."""
+    made, _ = build([Source(text, "units.st")], None, [LIBRARY], False, probes)
+    machine, found = Machine(made), []
+    for _ in range(4):
+        try:
+            machine.run(1)
+        except Fault as fault:
+            found.append((fault.code, fault.message, fault.line, fault.column, fault.instance))
+        found.append(bytes(machine.memory[NULL_PAGE : made.state_end]))
+    return found
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_units(seed, monkeypatch):
+    """A third of the programs with all code taken in that can be, a third with none."""
+    if seed % 3:
+        for name in ("SMALL", "ONCE"):
+            monkeypatch.setattr(inline, name, (0, 100_000)[seed % 3 - 1])
+    text = Units(Random(seed), faults=[0, 0.02, 0.1, 0.02][seed % 4]).program()
+    assert left(text, False) == left(text, True)
