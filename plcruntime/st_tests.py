@@ -27,6 +27,7 @@ from stcore.diagnostics import Reporter
 from stcore.faults import ASSERTIONS, Fault
 from stcore.paths import PathError
 from stcore.program import External, Program, Routine, TaskSpec
+from stcore.show import show
 from stcore.source import Source, read
 from stcore.types import Array, Block, Elementary, String, Struct, Type, base_of, is_aggregate
 
@@ -108,7 +109,7 @@ def differing(memory, kind: Type, expected: int, actual: int, path: str = "") ->
 
 def _texts(kind: Type, expected: object, actual: object) -> tuple[str, str]:
     """Two values that differ, so that one sees it."""
-    shown = values.show(kind, expected), values.show(kind, actual)
+    shown = show(kind, expected), show(kind, actual)
     return shown if shown[0] != shown[1] else (repr(expected), repr(actual))
 
 
@@ -313,7 +314,7 @@ def cells(trace: Trace, row: tuple) -> list[str]:
 
 
 def _cell(kind: Type, value) -> str:
-    return f"{value:.9g}" if isinstance(value, float) else values.show(kind, value)
+    return f"{value:.9g}" if isinstance(value, float) else show(kind, value)
 
 
 def report(result: Result) -> str:

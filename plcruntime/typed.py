@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from stcore import values
 from stcore.known import Names, Scene
 from stcore.program import NULL_PAGE, Program
+from stcore.show import show
 from stcore.side import Side, compile_side, condition
 from stcore.types import Type
 
@@ -81,7 +82,7 @@ class Typed:
         if kind is None:
             return Result(None)
         value = values.decode(self._plc._engine.machine.memory, kind, address)
-        return Result(kind, value, values.show(kind, value))
+        return Result(kind, value, show(kind, value))
 
 
 def _changes(before: bytes, after: bytes):

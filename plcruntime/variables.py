@@ -5,6 +5,7 @@ from __future__ import annotations
 from stcore import paths, values
 from stcore.paths import PathError, Place
 from stcore.program import Program
+from stcore.show import show
 
 
 class Variables:
@@ -29,7 +30,7 @@ class Variables:
 
     def show(self, path: str) -> str:
         """The value as ST writes it: TRUE, T#1.5s, 'text', the name of an ENUM's value."""
-        return values.show(self.place(path).type, self[path])
+        return show(self.place(path).type, self[path])
 
     def _pieces(self, place: Place, value) -> list[tuple[int, bytes]]:
         if place.constant:

@@ -298,12 +298,13 @@ class Run:
             return None
 
     def _print_values(self) -> None:
-        from stcore import paths, values
+        from stcore import paths
+        from stcore.show import show
 
         rows = []
         for name in self.watched or [place.name for place in paths.user_places(self.plc.program)]:
             value, kind = self._value(name), self.plc.place(name).type
-            shown = "NULL" if value is None else values.show(kind, value)
+            shown = "NULL" if value is None else show(kind, value)
             rows.append((name, shown if len(shown) <= SHOWN or self.watched else shown[: SHOWN - 3] + "...", str(kind)))
         if rows:
             output.print_table(("variable", "value", "type"), rows)

@@ -16,6 +16,7 @@ from stcore.diagnostics import text as shown
 from stcore.faults import Fault
 from stcore.paths import PathError, Place
 from stcore.program import NULL_PAGE
+from stcore.show import show
 from stcore.side import summary
 from stcore.source import read
 
@@ -179,7 +180,7 @@ class Session:
         for leaf in paths.leaves(place, own):
             old, new = values.read(before, leaf), values.read(now, leaf)
             if old != new and (old == old or new == new):
-                found.append((leaf.name, values.show(leaf.type, old), values.show(leaf.type, new)))
+                found.append((leaf.name, show(leaf.type, old), show(leaf.type, new)))
         return found
 
     # --------------------------------------------------------------------------------------------- names

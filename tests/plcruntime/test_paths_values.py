@@ -5,8 +5,9 @@ import pytest
 
 from stcore import paths
 from stcore.paths import PathError
+from stcore.show import show
 from stcore.syntax import Arg, ArrayInit, Literal, Name, StructInit, Unary
-from stcore.values import plain_literal, show
+from stcore.values import plain_literal
 
 
 @pytest.mark.parametrize(

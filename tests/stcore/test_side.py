@@ -10,9 +10,10 @@ from stcore.faults import Fault
 from stcore.known import Names, Scene
 from stcore.machine import Machine
 from stcore.paths import PathError
+from stcore.show import show
 from stcore.side import SideError, compile_side, summary
 from stcore.source import Source
-from stcore.values import decode, show
+from stcore.values import decode
 
 TEXT = """
 TYPE TPoint : STRUCT x, y : LREAL; END_STRUCT END_TYPE

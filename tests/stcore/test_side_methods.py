@@ -7,9 +7,10 @@ from stcore.diagnostics import CompileError
 from stcore.faults import Fault
 from stcore.known import Names, Scene
 from stcore.machine import Machine
+from stcore.show import show
 from stcore.side import compile_side
 from stcore.source import Source
-from stcore.values import decode, show
+from stcore.values import decode
 
 TEXT = """
 INTERFACE INamed
