@@ -88,8 +88,8 @@ class Units:
         return "\n".join([SHARED, instances.format("B0"), instances.format("B1"), "END_VAR", *texts])
 
     def few(self, table: dict[str, list[str]]) -> dict[str, list[str]]:
-        """Some places of each kind: the fewer, the more often they meet."""
-        return {k: self.random.sample(v, min(len(v), self.random.choice([1, 2, 4]))) for k, v in table.items()}
+        """The first place of each kind and some others: the fewer, the more often they meet."""
+        return {k: v[:1] + self.random.sample(v, min(len(v), self.random.choice([0, 1, 3]))) for k, v in table.items()}
 
     # --------------------------------------------------------------------------------------------- units
 
@@ -224,8 +224,14 @@ class Units:
         return f"{self.place(kind)} := {middle}{self.value(kind, r.choice([0, 1, 2]))};"
 
     def call(self, depth: int) -> str:
+        """A call, half of them between the assignment and the use of a variable that it may change."""
         units = [u for u in self.known if u.kind == "BLOCK"] * 2 + self.known
-        return f"{self.called(units, 1)};"
+        call = f"{self.called(units, 1)};"
+        if self.chance(0.5):
+            return call
+        kind = self.random.choice(["DINT", "BOOL", "INT"])
+        name = self.place(kind, self.named)
+        return f"{name} := {self.value(kind, 1)}; {call} {self.place(kind)} := {name};"
 
     def move(self, depth: int) -> str:
         """Pointers that lead elsewhere, and what is assigned as a whole."""
