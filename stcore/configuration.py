@@ -11,7 +11,8 @@ from stcore import types as t
 from stcore.check import CheckedProject, Checker
 from stcore.check.conversions import same
 from stcore.check.initial import check_init
-from stcore.declare import Declarer, place_direct
+from stcore.declare import Declarer
+from stcore.direct import place_direct
 from stcore.near import near
 from stcore.program import TaskSpec
 from stcore.scope import GlobalList, Init, Pou, Var, key, place_node

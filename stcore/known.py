@@ -12,7 +12,7 @@ from pathlib import Path
 from stcore import syntax as s
 from stcore import types as t
 from stcore.check import CheckedProject
-from stcore.declare import Pending
+from stcore.declare_types import Pending
 from stcore.diagnostics import Reporter
 from stcore.library import Index, index
 from stcore.paths import PathError, resolve

@@ -17,7 +17,8 @@ from stcore.near import near
 from stcore.scope import Pou, Var, key
 
 if TYPE_CHECKING:
-    from stcore.declare import Declarer, Pending
+    from stcore.declare import Declarer
+    from stcore.declare_types import Pending
     from stcore.project import Project
 
 

@@ -13,7 +13,8 @@ from pathlib import Path
 from stcore import syntax as s
 from stcore import types as t
 from stcore.cache import parse_cached
-from stcore.declare import Declarer, Pending, align
+from stcore.declare import Declarer
+from stcore.declare_types import Pending, align
 from stcore.diagnostics import Reporter
 from stcore.library import index, listed
 from stcore.program import NULL_PAGE

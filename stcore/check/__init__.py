@@ -15,7 +15,8 @@ from stcore.check import builtins
 from stcore.check.calls import copy_tree
 from stcore.check.initial import Initials
 from stcore.check.statements import Statements
-from stcore.declare import Declarer, Pending
+from stcore.declare import Declarer
+from stcore.declare_types import Pending
 from stcore.diagnostics import Reporter
 from stcore.project import Project
 from stcore.scope import Pou, Var, key

@@ -6,7 +6,7 @@ from stcore import syntax as s
 from stcore import types as t
 from stcore.check.conversions import INTEGER, Conversions, kind_of
 from stcore.check.fold import wrap
-from stcore.declare import parse_direct
+from stcore.direct import parse_direct
 from stcore.near import near
 from stcore.scope import ActionOf, EnumValue, GlobalList, MethodOf, Pou, PropertyOf, TypeName, Var, key, member_of
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from stcore import syntax as s
 from stcore.check.initial import check_init
-from stcore.declare import align
+from stcore.declare_types import align
 from stcore.emit.calls import abstract
 from stcore.emit.dispatch import Dispatch, signature
 from stcore.emit.function import FunctionEmitter

@@ -70,7 +70,8 @@ class Calls(Expressions):
                 name = self.module.dispatch.method(pou)
             results = "".join(f" (result {r})" for r in signature(pou)[1])
             given = " ".join([address(base, offset), *args])
-            return f"(block{results} {given} (drop (i32.const {site})) (call {name}))"
+            # behind it the statement goes on: what else it calls is no part of the method
+            return f"(block{results} {given} (drop (i32.const {site})) (call {name}) (drop (i32.const {here})))"
 
         return self._called(node, call, emit)
 
