@@ -56,22 +56,23 @@ class Calls(Expressions):
         here = self.here
         site = self.module.site(self.source, node, self.pou.full_name, "", call.note, self.within)
 
+        again = f"(drop (i32.const {here}))"  # the statement goes on: what else it calls is no part of the method
+
         def emit(args: list[str]) -> str:
             pou = call.pou
+            results = "".join(f" (result {r})" for r in signature(pou)[1])
             if call.bound or self.module.dispatch.is_only(pou):
                 self.here = site
                 text = self.inline_function(pou, args, (base, offset))
                 self.here = here
                 if text is not None:
-                    return text
+                    return f"(block{results} {text} {again})"
                 self.module.need(pou)
                 name = pou.symbol
             else:
                 name = self.module.dispatch.method(pou)
-            results = "".join(f" (result {r})" for r in signature(pou)[1])
             given = " ".join([address(base, offset), *args])
-            # behind it the statement goes on: what else it calls is no part of the method
-            return f"(block{results} {given} (drop (i32.const {site})) (call {name}) (drop (i32.const {here})))"
+            return f"(block{results} {given} (drop (i32.const {site})) (call {name}) {again})"
 
         return self._called(node, call, emit)
 

@@ -101,6 +101,14 @@ def left(text: str, probes: bool) -> list:
     return found
 
 
+@pytest.mark.parametrize("probes", [False, True], ids=["fast", "probed"])
+def test_a_fault_behind_the_call_of_a_method_is_not_in_it(probes):
+    before = """FUNCTION_BLOCK B METHOD M : DINT M := 9; END_METHOD END_FUNCTION_BLOCK
+    FUNCTION F : DINT VAR_INPUT i : DINT; END_VAR VAR a : ARRAY[0..3] OF DINT; END_VAR F := a[i]; END_FUNCTION"""
+    ((code, _, _, _, instance), *_) = left(program("x := F(b.M());", "x : DINT; b : B;", before), probes)
+    assert (code, instance) == ("F0101", "PLC_PRG.F")
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_random_units(seed, monkeypatch):
     """A third of the programs with all code taken in that can be, a third with none."""
