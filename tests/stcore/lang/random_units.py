@@ -152,9 +152,9 @@ class Units:
 
     def place(self, kind: str, *tables: dict[str, list[str]]) -> str:
         """A variable of this kind, of one of the tables; of all there are when none is given."""
-        tables = tables or (self.named, self.named, self.named, self.led_to)
-        fitting = [x for table in tables for x in table.get(kind, [])]
-        if self.large and kind == "DINT" and self.chance(0.2):
+        all_of_them = self.named, self.named, self.named, self.led_to
+        fitting = [x for table in tables or all_of_them for x in table.get(kind, [])]
+        if self.large and kind == "DINT" and not tables and self.chance(0.2):  # in a function they lie on the stack
             fitting += ["s.a", "a[{}]", "s.e[{}]"]
         text = self.random.choice(fitting)
         return text.replace("{}", self.index()) if "{}" in text else text
