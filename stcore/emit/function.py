@@ -223,7 +223,8 @@ class FunctionEmitter(Inlining):
             self._show_address(p, name)
         elif t.is_aggregate(p.type):
             pou = self.pou
-            elsewhere = pou.writes_outside or pou.holder is not None and pou.writes_instance
+            elsewhere = pou.writes_outside or aggregate_outputs(pou)  # F(s := x, o => x)
+            elsewhere = elsewhere or pou.holder is not None and pou.writes_instance
             if not p.written and not p.addressed and not elsewhere:
                 p.indirect = True  # never changed here: the caller's own bytes will do
                 self.locals_of[p] = name
