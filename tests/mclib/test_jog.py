@@ -55,7 +55,7 @@ def test_jog_the_other_way_with_wrong_values_stops(bench):
     bench["jog.Velocity"] = 0.0
     bench["jog.JogForward"], bench["jog.JogBackward"] = False, True
     bench.scan()
-    assert bench["jog.Error"] and bench["jog.ErrorID"] == ERRORS["MV"]
+    assert bench["jog.Error"] and bench["jog.ErrorID"] == 301  # SMC_MV_INVALID_ACCDEC_VALUES
     bench.scan(110)
     assert bench["ax.fSetVelocity"] == 0.0 and bench.state == "StandStill" and bench["jog.Error"]
     bench["jog.JogBackward"] = False
