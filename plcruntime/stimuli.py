@@ -92,8 +92,3 @@ class Schedule:
     def scans_until_next(self, scan: int) -> int | None:
         """Scans that may run before the next action, None when there is none."""
         return self._entries[self._next][0] - scan if self._next < len(self._entries) else None
-
-    @property
-    def left(self) -> int:
-        """Actions that were not yet due."""
-        return len(self._entries) - self._next

@@ -222,6 +222,8 @@ class Run:
             progress.end()
         if self.plc.fault and self.stopped != "interrupt":
             self.stopped, code = "fault", FAILED
+        if self.stopped in ("for", "scans"):
+            self._tell_late_stimuli()
         if self.retain_problem:
             self._say(self.retain_problem)
             code = code or USAGE
@@ -230,6 +232,14 @@ class Run:
             code = NOT_REACHED
         self._show()
         return self._write_files(code)
+
+    def _tell_late_stimuli(self) -> None:
+        """A value at a time that the run did not reach is most often a slip in the time."""
+        late = sorted(x for x in self.plc.scheduled if x[0] >= self.plc.scans)
+        if late:
+            at, first = late[0]
+            others = f" and {len(late) - 1} more" if len(late) > 1 else ""
+            self._say(f"the run ended before {first} at {at * self.plc.interval:.9g} s{others}")
 
     def _untriggered(self) -> bool:
         traces = [t for t in (self.trace, self.picture) if t is not None and t.trigger]

@@ -367,6 +367,17 @@ def test_stimulus_file(capsys, file, tmp_path):
     assert code == 2 and out == "" and "s.csv:3: unknown variable 'of'" in err and len(err.splitlines()) == 1
 
 
+def test_a_value_behind_the_end_of_the_run_is_told(capsys, file):
+    late = ("--set", "w=3@25ms", "--set", "w=4@20ms")
+    for options, told in (
+        (["--for", "20ms"], "scancycle: the run ended before PLC_PRG.w := 4 at 0.02 s and 1 more\n"),
+        (["--for", "25ms"], "scancycle: the run ended before PLC_PRG.w := 3 at 0.025 s\n"),
+        (["--for", "26ms"], ""),
+        (["--for", "26ms", "--until", "PLC_PRG.n > 5"], ""),  # it got what it waited for
+    ):
+        assert run(capsys, "run", file, *options, *late)[2] == told
+
+
 def test_trigger(capsys, file, tmp_path):
     out_file = tmp_path / "t.csv"
     watched = (file, "--for", "1s", "--watch", "n", "--trace", out_file)
