@@ -100,7 +100,7 @@ def store(kind: str, key: str, data: bytes) -> None:
         os.replace(part, path)
         _prune_once()
     except OSError as error:
-        _problem = f"the cache folder {cache_dir()} can't be written: {error.strerror or error}"
+        _problem = f"the cache folder {path.parents[2]} can't be written: {error.strerror or error}"
 
 
 @functools.cache

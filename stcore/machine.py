@@ -65,6 +65,8 @@ class _Ahead(threading.Thread):
 
 
 _ahead: _Ahead | None = None
+KEPT = 8
+_modules: dict[bytes, wasmtime.Module] = {}  # the last ones that this process has loaded, the newest last
 
 
 def _wait() -> None:
@@ -80,21 +82,29 @@ if hasattr(os, "register_at_fork"):
 def load_ahead(wasm: bytes) -> None:
     """Begin with what load_module will be asked for next."""
     global _ahead
+    if wasm in _modules:
+        return
     engine()  # made by this thread, so that there is one
     _ahead = _Ahead(wasm)
     _ahead.start()
 
 
-@functools.lru_cache(maxsize=8)
 def load_module(wasm: bytes) -> wasmtime.Module:
-    """The module's machine code: from the cache, or compiled and kept there."""
+    """The module's machine code: of this process, from the cache, or compiled and kept there."""
+    module = _modules.pop(wasm, None) or _from_ahead(wasm) or _load(wasm)
+    _modules[wasm] = module
+    if len(_modules) > KEPT:
+        _modules.pop(next(iter(_modules)), None)  # another thread may have done so
+    return module
+
+
+def _from_ahead(wasm: bytes) -> wasmtime.Module | None:
     global _ahead
     begun, _ahead = _ahead, None
-    if begun is not None and begun.wasm == wasm:
-        begun.join()
-        if begun.module is not None:
-            return begun.module
-    return _load(wasm)
+    if begun is None or begun.wasm != wasm:
+        return None
+    begun.join()
+    return begun.module
 
 
 def _load(wasm: bytes) -> wasmtime.Module:

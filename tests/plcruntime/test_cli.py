@@ -285,6 +285,9 @@ def test_explain(capsys):
 
 
 def test_doctor(capsys, tmp_path, monkeypatch):
+    from stcore import cache
+
+    monkeypatch.setattr(cache, "_problem", "")
     code, out, _ = run(capsys, "doctor")
     assert code == 0 and "wasmtime" in out and "writable" in out and "runs" in out and "All that is needed" in out
     (tmp_path / "occupied").write_text("")
