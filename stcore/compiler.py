@@ -11,6 +11,7 @@ from typing import NamedTuple
 from stcore import cache
 from stcore.diagnostics import CompileError, Diagnostic, Reporter
 from stcore.program import Program, TaskSpec
+from stcore.recent import Recent
 from stcore.source import Source, read
 
 LIBRARY = Path(__file__).parent / "library"
@@ -32,7 +33,7 @@ def compile(  # noqa: A001 - the verb that users know
     """
     sources = _sources(files)
     key = _build_key(sources, tasks, libraries, strict, probes)
-    build = _recent.pop(key, None)
+    build = _recent.get(key)
     if build is None or not build.holds():
         build = _Build.load(key)
     if build is None:
@@ -42,10 +43,7 @@ def compile(  # noqa: A001 - the verb that users know
         program.digest = _digest(sources, used)
         build = _Build({path: _stamp(path) for path in used}, program)
         build.store(key)
-    _recent[key] = build
-    if len(_recent) > RECENT:
-        del _recent[next(iter(_recent))]
-    return build.program
+    return _recent.keep(key, build).program
 
 
 def diagnose(files: Files, *, libraries: Sequence[Path] = (), strict: bool = False) -> list[Diagnostic]:
@@ -62,9 +60,7 @@ def compile_condition(program: Program, text: str) -> bytes:
     if made is None:
         from stcore.side import compile_condition as make
 
-        made = _conditions[key] = make(program, text)
-        if len(_conditions) > CONDITIONS:
-            del _conditions[next(iter(_conditions))]
+        made = _conditions.keep(key, make(program, text))
     return made
 
 
@@ -160,6 +156,5 @@ class _Build(NamedTuple):
 
 
 # A suite of tests loads the same programs again and again, and waits for the same things: so many does a process keep.
-RECENT, CONDITIONS = 8, 64
-_recent: dict[str, _Build] = {}  # key of the build -> it
-_conditions: dict[tuple[str, bytes, str], bytes] = {}  # digest and module of the program, condition -> its module
+_recent: Recent[str, _Build] = Recent(8)  # key of the build -> it
+_conditions: Recent[tuple[str, bytes, str], bytes] = Recent(64)  # digest, module of the program, condition -> module

@@ -17,6 +17,7 @@ from stcore import cache
 from stcore import types as t
 from stcore.faults import Fault, calls_under_way, locate
 from stcore.program import HOST_FAILED, INTERRUPT, INTERVAL, TASK_RATIOS, UNTIL, External, Program, Site
+from stcore.recent import Recent
 
 # What a trap of wasmtime is to a PLC programmer; 'unreachable' is a check of ours, whose site names the fault.
 _TRAPS = {
@@ -65,8 +66,7 @@ class _Ahead(threading.Thread):
 
 
 _ahead: _Ahead | None = None
-KEPT = 8
-_modules: dict[bytes, wasmtime.Module] = {}  # the last ones that this process has loaded, the newest last
+_modules: Recent[bytes, wasmtime.Module] = Recent(8)  # that this process has loaded
 
 
 def _wait() -> None:
@@ -91,11 +91,7 @@ def load_ahead(wasm: bytes) -> None:
 
 def load_module(wasm: bytes) -> wasmtime.Module:
     """The module's machine code: of this process, from the cache, or compiled and kept there."""
-    module = _modules.pop(wasm, None) or _from_ahead(wasm) or _load(wasm)
-    _modules[wasm] = module
-    if len(_modules) > KEPT:
-        _modules.pop(next(iter(_modules)), None)  # another thread may have done so
-    return module
+    return _modules.get(wasm) or _modules.keep(wasm, _from_ahead(wasm) or _load(wasm))
 
 
 def _from_ahead(wasm: bytes) -> wasmtime.Module | None:
