@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from side_session import Session
 
 from stcore.compiler import compile, compile_condition
 from stcore.diagnostics import CompileError
@@ -10,7 +11,6 @@ from stcore.faults import Fault
 from stcore.known import Names, Scene
 from stcore.machine import Machine
 from stcore.paths import PathError
-from stcore.show import show
 from stcore.side import SideError, compile_side, summary
 from stcore.source import Source
 from stcore.values import decode
@@ -57,22 +57,9 @@ END_PROGRAM
 """
 
 
-class Session:
-    def __init__(self, probes: bool = False) -> None:
-        self.program = compile([Source(TEXT, "<test>")], probes=probes)
-        self.machine = Machine(self.program)
-        self.names = Names(self.program)
-        self.machine.run(3)
-
-    def __call__(self, text: str, scene: Scene | None = None, this: int = 0) -> str:
-        side = compile_side(self.names, text, scene)
-        address = self.machine.side(side)(this, 0)
-        return "" if side.type is None else show(side.type, decode(self.machine.memory, side.type, address))
-
-
 @pytest.fixture(params=[False, True], ids=["plain", "probed"])
 def run(request) -> Session:
-    return Session(request.param)
+    return Session(TEXT, request.param, 3)
 
 
 @pytest.mark.parametrize(
@@ -165,7 +152,7 @@ def test_conditions_with_strings_and_functions(run):
 
 
 def test_probed_and_plain_builds_have_the_same_image():
-    plain, probed = Session(False), Session(True)
+    plain, probed = Session(TEXT, False, 3), Session(TEXT, True, 3)
     assert plain.program.image == probed.program.image
     end = plain.program.image_end
     assert bytes(plain.machine.memory[1024:end]) == bytes(probed.machine.memory[1024:end])

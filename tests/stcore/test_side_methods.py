@@ -1,16 +1,11 @@
 """Methods, properties and interfaces in what is typed beside a loaded program."""
 
 import pytest
+from side_session import Session
 
-from stcore.compiler import compile
 from stcore.diagnostics import CompileError
 from stcore.faults import Fault
-from stcore.known import Names, Scene
-from stcore.machine import Machine
-from stcore.show import show
-from stcore.side import compile_side
-from stcore.source import Source
-from stcore.values import decode
+from stcore.known import Scene
 
 TEXT = """
 INTERFACE INamed
@@ -56,22 +51,9 @@ END_PROGRAM
 """
 
 
-class Session:
-    def __init__(self, probes: bool) -> None:
-        self.program = compile([Source(TEXT, "<test>")], probes=probes)
-        self.machine = Machine(self.program)
-        self.names = Names(self.program)
-        self.machine.run(1)
-
-    def __call__(self, text: str, scene: Scene | None = None, this: int = 0) -> str:
-        side = compile_side(self.names, text, scene)
-        address = self.machine.side(side)(this, 0)
-        return "" if side.type is None else show(side.type, decode(self.machine.memory, side.type, address))
-
-
 @pytest.fixture(scope="module", params=[False, True], ids=["plain", "probed"])
 def run(request) -> Session:
-    return Session(request.param)
+    return Session(TEXT, request.param, 1)
 
 
 @pytest.mark.parametrize(
