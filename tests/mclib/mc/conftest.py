@@ -163,6 +163,16 @@ class Bench:
             self[f"cam.CamTableID.{member}"] = value
 
 
+    def fill_tables(self, seconds: float) -> None:
+        """The tables of cams and profiles that some blocks need; how long the first segment of a profile takes."""
+        self["table.nElements"] = 2
+        self["table.Element[2].dX"] = 100.0
+        self.start("select")
+        self.take_cam()
+        for table in ("positionsTable.MC_TP", "velocitiesTable.MC_TV", "accelerationsTable.MC_TA"):
+            self[f"{table}_Array[1].delta_time"] = seconds
+
+
 @pytest.fixture
 def bench():
     return Bench()

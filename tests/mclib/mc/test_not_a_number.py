@@ -46,12 +46,7 @@ OTHERS = ("gear2", "second", "third", "over2", "reset", "phase", "further2")  # 
 
 def test_every_number_of_every_block(bench):
     """Whatever an input holds: an error and nothing moves, or the axis stays where numbers are."""
-    bench["table.nElements"] = 2
-    bench["table.Element[2].dX"] = 100.0
-    bench.start("select")
-    bench.take_cam()
-    for table in ("positionsTable.MC_TP", "velocitiesTable.MC_TV", "accelerationsTable.MC_TA"):
-        bench[f"{table}_Array[1].delta_time"] = 0.5
+    bench.fill_tables(0.5)
     bench.start("run", 50, Velocity=100.0)
     snapshot, found = bench.plc.snapshot(), 0
     for block in (set(BLOCKS) | set(LINKS) | set(TABLES) | {"combine", "jog", "inch", "smcHome"}) - set(OTHERS):

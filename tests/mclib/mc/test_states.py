@@ -85,12 +85,7 @@ MOTION = {
 
 def prepare(bench):
     """The tables that some blocks need."""
-    bench["table.nElements"] = 2
-    bench["table.Element[2].dX"] = 100.0
-    bench.start("select")
-    bench.take_cam()
-    for table in ("positionsTable.MC_TP", "velocitiesTable.MC_TV", "accelerationsTable.MC_TA"):
-        bench[f"{table}_Array[1].delta_time"] = 2.0
+    bench.fill_tables(2.0)
     bench["positionsTable.MC_TP_Array[1].position"] = 900.0
     bench["velocitiesTable.MC_TV_Array[1].velocity"] = 300.0
     bench["accelerationsTable.MC_TA_Array[1].acceleration"] = 300.0
